@@ -1,0 +1,102 @@
+"""Claims: what a source says must be seen, as a number and a band; and the verdict of a trace on each."""
+
+import math
+from typing import Annotated, Literal, NamedTuple
+
+from annotated_types import Ge, MinLen
+
+from experiments.metrics import METRICS, Dimension, MetricName
+from experiments.signals import LINKS, ChannelName
+from experiments.trace import Trace, window
+from shared.units import A_PER_MA, RAD_PER_DEG
+
+LATE_S = 0.02  # the last sample of a trial lies up to two of the longest periods before its end
+Comparison = Literal["below", "above", "within"]
+Unit = Literal["rad", "deg", "m", "mm", "cm", "N", "A", "mA", "s", "1/s", "1", "%", "counts"]
+
+UNITS: dict[Unit, tuple[Dimension, float]] = {  # what it measures, SI per unit
+    "rad": ("angle", 1.0),
+    "deg": ("angle", RAD_PER_DEG),
+    "m": ("length", 1.0),
+    "mm": ("length", 1e-3),
+    "cm": ("length", 1e-2),
+    "N": ("force", 1.0),
+    "A": ("current", 1.0),
+    "mA": ("current", A_PER_MA),
+    "s": ("time", 1.0),
+    "1/s": ("rate", 1.0),
+    "1": ("number", 1.0),
+    "%": ("number", 0.01),
+    "counts": ("number", 1.0),
+}
+
+
+class Claim(NamedTuple):
+    """One statement of a source, as a metric of a channel in a window against a band in `unit`; on the band holds."""
+
+    statement: Annotated[str, MinLen(1)]  # in words
+    metric: MetricName
+    channel: ChannelName
+    comparison: Comparison
+    start_s: Annotated[float, Ge(0)]
+    end_s: Annotated[float, Ge(0)]
+    unit: Unit
+    low: float = 0.0  # of "above" and "within"
+    high: float = 0.0  # of "below" and "within"
+    source: str = ""  # section or figure, and the sentence
+
+
+class Verdict(NamedTuple):
+    """A claim, what was measured in the claim's unit, and whether it holds."""
+
+    claim: Claim
+    measured: float
+    holds: bool
+
+
+def judge(claim: Claim, trace: Trace) -> Verdict:
+    """Measure `claim` on `trace`. A NaN does not hold, nor does a window that the trial did not reach the end of."""
+    seen = window(trace, claim.start_s, claim.end_s)
+    if len(seen.t_s) < 2 or seen.t_s[-1] < claim.end_s - LATE_S:  # ended early: says nothing of what would have come
+        return Verdict(claim, math.nan, False)
+    measured = METRICS[claim.metric].of(seen, claim.channel) / UNITS[claim.unit][1]
+    return Verdict(claim, measured, within_band(claim, measured))
+
+
+def within_band(claim: Claim, measured: float) -> bool:
+    """Whether `measured`, in the claim's unit, is what the claim states; NaN is not."""
+    above, below = measured >= claim.low, measured <= claim.high
+    return {"above": above, "below": below, "within": above and below}[claim.comparison]
+
+
+def band(claim: Claim) -> str:
+    """The claim's band in words, e.g. `within 3.2..3.4 s`."""
+    limits = {"above": f"{claim.low:g}", "below": f"{claim.high:g}", "within": f"{claim.low:g}..{claim.high:g}"}
+    return f"{claim.comparison} {limits[claim.comparison]} {claim.unit}"
+
+
+def dimension(metric: MetricName, channel: ChannelName) -> Dimension:
+    """What a metric of a channel measures in."""
+    known = METRICS[metric].dimension
+    if known != "channel":
+        return known
+    if channel == "force":
+        return "force"
+    return "angle" if channel in LINKS[:2] else "length"
+
+
+def problems(claim: Claim, duration_s: float) -> list[tuple[str, str]]:
+    """What is inconsistent in a claim, as (field, what was found and expected)."""
+    found = []
+    metric = METRICS[claim.metric]
+    if claim.channel not in metric.channels:
+        found.append(("channel", f"is {claim.channel}: {claim.metric} is defined on {', '.join(metric.channels)}"))
+    measures, wanted = UNITS[claim.unit][0], dimension(claim.metric, claim.channel)
+    if measures != wanted:
+        fitting = ", ".join(unit for unit, (of, _) in UNITS.items() if of == wanted)
+        found.append(("unit", f"is {claim.unit}: {claim.metric} of {claim.channel} is stated in one of {fitting}"))
+    if claim.comparison == "within" and claim.low > claim.high:
+        found.append(("low", f"is {claim.low:g} {claim.unit}: it must not lie above high, {claim.high:g} {claim.unit}"))
+    if not claim.start_s < claim.end_s <= duration_s:
+        found.append(("end_s", f"is {claim.end_s:g} s: it must lie after start_s, {claim.start_s:g} s, and not after the end"))
+    return found

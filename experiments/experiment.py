@@ -1,0 +1,134 @@
+"""An experiment as data: composed of the sections that the services define, read from and written to TOML and bytes."""
+
+import hashlib
+import json
+import tomllib
+from collections.abc import Callable
+from pathlib import Path
+from typing import Annotated, Any, NamedTuple
+
+import tomli_w
+from annotated_types import Interval
+from pydantic import ConfigDict, StringConstraints, TypeAdapter, ValidationError
+
+from experiments.claims import Claim, problems
+from experiments.errors import ExperimentError, from_validation
+from services.controller.config import ControllerConfig, Reference, check
+from services.plant.config import PlantConfig, latch_substeps
+from services.plant.params import contact_params
+from services.supervisor.config import SupervisorConfig
+
+Name = Annotated[str, StringConstraints(pattern=r"^[a-z0-9]+(-[a-z0-9]+)*$")]
+MAX_DURATION_S = 3600.0
+
+
+class Experiment(NamedTuple):
+    """What a trial is: each section is validated by the types of the service that reads it."""
+
+    name: Name
+    alias: Name
+    title: str
+    source: str  # where the experiment comes from
+    duration_s: Annotated[float, Interval(gt=0.0, le=MAX_DURATION_S)]  # of the reference, after the bias is taken
+    plant: PlantConfig = PlantConfig()
+    controller: ControllerConfig = ControllerConfig()
+    supervisor: SupervisorConfig = SupervisorConfig()
+    reference: Reference = ()
+    claims: tuple[Claim, ...] = ()
+
+
+_ADAPTER: TypeAdapter[Experiment] = TypeAdapter(Experiment, config=ConfigDict(allow_inf_nan=False))
+
+
+def to_plain(value: Any) -> Any:
+    """Named tuples as dicts and tuples as lists, all the way down: every default is spelled out."""
+    if isinstance(value, tuple) and hasattr(value, "_asdict"):
+        return {name: to_plain(field) for name, field in value._asdict().items()}
+    return [to_plain(item) for item in value] if isinstance(value, tuple | list) else value
+
+
+def from_plain(plain: Any, where: str) -> Experiment:
+    """Validate plain data strictly: no text becomes a number. Raises ExperimentError; `where` names the origin."""
+    try:
+        data = json.dumps(plain)
+    except TypeError as reason:
+        raise ExperimentError([f"{where}: {reason}: use text, numbers, true or false, lists and tables"]) from None
+    try:
+        experiment = _ADAPTER.validate_json(data, strict=True)
+    except ValidationError as refused:
+        raise from_validation(where, refused.errors(), Experiment) from None
+    return checked(experiment, where)
+
+
+def checked(experiment: Experiment, where: str) -> Experiment:
+    """`experiment`, if its sections agree with each other. Raises ExperimentError."""
+    found = [
+        f"{where}: claims.{number}.{field} {what}; correct the claim"
+        for number, claim in enumerate(experiment.claims)
+        for field, what in problems(claim, experiment.duration_s)
+    ]
+    found += [f"{where}: {reason}" for reason in _section_problems(experiment)]
+    if found:
+        raise ExperimentError(found)
+    return experiment
+
+
+def _section_problems(experiment: Experiment) -> list[str]:
+    """What each service says of fields that are valid one by one but do not fit together."""
+    plant, found = experiment.plant, []
+    checks: tuple[Callable[[], object], ...] = (
+        lambda: latch_substeps(plant),
+        lambda: contact_params(plant.environment),
+        lambda: check(experiment.controller, experiment.reference, plant.initial_q_rad, plant.machine.q4_rad),
+    )
+    for agrees in checks:
+        try:
+            agrees()
+        except ValueError as reason:
+            found.append(str(reason))
+    return found
+
+
+def from_toml(path: Path) -> Experiment:
+    """Read and validate an experiment. Raises ExperimentError if it is missing, no TOML, or not an experiment."""
+    try:
+        text = path.read_text(encoding="utf-8")
+    except (OSError, UnicodeDecodeError) as reason:
+        raise ExperimentError([f"{path}: cannot be read ({reason}): give the path of a TOML file"]) from None
+    try:
+        return from_plain(tomllib.loads(text), str(path))
+    except tomllib.TOMLDecodeError as reason:
+        raise ExperimentError([f"{path}: is no TOML: {reason}; correct the syntax there"]) from None
+
+
+def to_toml(experiment: Experiment) -> str:
+    """The experiment as TOML with every default spelled out; reading it gives the same experiment.
+
+    TOML has no null: a field that is None is left out.
+    """
+    return tomli_w.dumps(_without_none(to_plain(experiment)))
+
+
+def _without_none(plain: Any) -> Any:
+    if isinstance(plain, dict):
+        return {name: _without_none(value) for name, value in plain.items() if value is not None}
+    return [_without_none(item) for item in plain] if isinstance(plain, list) else plain
+
+
+def to_bytes(experiment: Experiment) -> bytes:
+    """The experiment as canonical JSON: sorted keys, no spaces, shortest digits that give the same float back."""
+    return json.dumps(to_plain(experiment), sort_keys=True, separators=(",", ":"), ensure_ascii=False, allow_nan=False).encode()
+
+
+def from_bytes(data: bytes) -> Experiment:
+    """The experiment that `data` carries. Raises ExperimentError."""
+    try:
+        plain = json.loads(data)
+    except ValueError as reason:
+        raise ExperimentError([f"message: is no JSON: {reason}; send the bytes of to_bytes"]) from None
+    return from_plain(plain, "message")
+
+
+def experiment_hash(data: bytes) -> bytes:
+    """SHA-256 over the bytes as sent; whoever receives them echoes it and never encodes again."""
+    return hashlib.sha256(data).digest()

@@ -1,0 +1,28 @@
+"""Every experiment that ships, by name and by alias."""
+
+from functools import cache
+
+from experiments import chapter4, chapter5
+from experiments.errors import ExperimentError, nearest
+from experiments.experiment import Experiment
+
+
+@cache
+def catalogue() -> tuple[Experiment, ...]:
+    """All experiments in the order of the thesis."""
+    return chapter4.EXPERIMENTS + chapter5.EXPERIMENTS
+
+
+@cache
+def _index() -> dict[str, Experiment]:
+    named = {experiment.name: experiment for experiment in catalogue()}
+    return {**{experiment.alias: experiment for experiment in catalogue()}, **named}
+
+
+def find(name_or_alias: str) -> Experiment:
+    """The experiment of that name or alias. Raises ExperimentError with the nearest names."""
+    known = _index()
+    if name_or_alias not in known:
+        hint = nearest(name_or_alias, known)
+        raise ExperimentError([f"{name_or_alias} is no experiment: use one of {hint}"])
+    return known[name_or_alias]

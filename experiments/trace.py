@@ -1,0 +1,58 @@
+"""What one trial left behind: a row per sample from tick 0, in SI. Metrics and claims look at nothing else."""
+
+from pathlib import Path
+from typing import Any, NamedTuple
+
+import numpy as np
+import numpy.typing as npt
+
+Reals = npt.NDArray[np.float64]
+Integers = npt.NDArray[np.int64]
+
+
+class Trace(NamedTuple):
+    """Row n is the state at sample n and the command that answers it. Links in the order rotate, down/up, out/in."""
+
+    tick: Integers  # (n,) 0 = the reference starts
+    t_s: Reals  # (n,) since tick 0
+    q_rad: Reals  # (n, 3) third column in m, as all q
+    q_set_rad: Reals  # (n, 3)
+    qd_rad_per_s: Reals  # (n, 3) estimate by regression
+    qd_set_rad_per_s: Reals  # (n, 3)
+    x_m: Reals  # (n, 3) from the encoders
+    x_set_m: Reals  # (n, 3) as modified by the target impedance
+    x_nominal_m: Reals  # (n, 3) as the reference has it
+    force_n: Reals  # (n,) tared, not averaged
+    force_set_n: Reals  # (n,) before any compensation
+    current_a: Reals  # (n, 3) demanded of the valves
+    mode: Integers  # (n,) of the supervisor
+    sample_age_s: Reals  # (n,) age of the answered sample when its command was accepted
+    encoder_counts: Integers  # (n, 5)
+    force_counts: Integers  # (n,)
+    dac_counts: Integers  # (n, 3)
+
+
+def save(trace: Trace, path: Path) -> None:
+    """Write every column of `trace` to `path` (.npz)."""
+    columns: dict[str, Any] = trace._asdict()
+    with path.open("wb") as file:  # a file, because numpy appends a suffix to a bare name
+        np.savez_compressed(file, **columns)
+
+
+def load(path: Path) -> Trace:
+    """The trace in `path`. Raises ValueError if a column is missing."""
+    with np.load(path, allow_pickle=False) as columns:
+        missing = [name for name in Trace._fields if name not in columns]
+        if missing:
+            raise ValueError(f"{path} is no trace: it has no column {', '.join(missing)}")
+        return Trace(**{name: columns[name] for name in Trace._fields})
+
+
+def rows(trace: Trace, chosen: npt.NDArray[np.bool_]) -> Trace:
+    """The rows of `trace` where `chosen` (n,) is true."""
+    return Trace(*(column[chosen] for column in trace))
+
+
+def window(trace: Trace, start_s: float, end_s: float) -> Trace:
+    """The rows from `start_s` to `end_s`, both included."""
+    return rows(trace, (trace.t_s >= start_s) & (trace.t_s <= end_s))

@@ -1,0 +1,194 @@
+"""What an experiment says about the controller, and its way into the kernels' parameters.
+
+Bounds that one field can state stand beside it; `check` raises for what only several of them together can say.
+"""
+
+import math
+from typing import Annotated, Literal, NamedTuple
+
+from annotated_types import Ge, Gt, Le
+
+from services.controller.kinematics import UNIMATE_GEOMETRY, Triple, clamp_joints, forward, inverse
+from services.controller.params import (
+    FULL_SLEW_CODES,
+    LAW_DEADBAND,
+    LAW_FINAL,
+    LAW_HYSTERESIS,
+    LAW_MORSE,
+    LAW_PI,
+    LAW_VETIA,
+    TARGET_CARTESIAN,
+    TARGET_IMPEDANCE,
+    TARGET_JOINT,
+    TIGHT_SAMPLES,
+    TIGHT_SLEW_CODES,
+    UNIMATE_GAINS,
+    ControllerParams,
+    ImpedanceParams,
+    LinkGains,
+)
+from services.controller.reference import CHANNELS, KINDS, Row, reference_deltas
+from shared.converters import calibration
+from shared.messages import About
+from shared.units import A_PER_MA
+
+LAWS = {
+    "pi": LAW_PI,
+    "morse": LAW_MORSE,
+    "deadband": LAW_DEADBAND,
+    "hysteresis": LAW_HYSTERESIS,
+    "vetia": LAW_VETIA,
+    "final": LAW_FINAL,
+}
+TARGETS = {"joint": TARGET_JOINT, "cartesian": TARGET_CARTESIAN, "impedance": TARGET_IMPEDANCE}
+JOINT_CHANNELS = CHANNELS[:3]
+
+LONGEST_S = 3600.0  # of a trial; keeps sines inside their domain
+CHECK_STEP_S = 0.01  # travel is checked at 100 Hz: references of a machine that follows 1 Hz
+LINKS = ("rotate", "down/up", "out/in")
+
+
+class Segment(NamedTuple):
+    """One piece of a reference, added to its channel from `start_s` on (rad, m or N by channel)."""
+
+    channel: Literal["q1", "q2", "q3", "x", "y", "z", "force"]
+    kind: Literal["step", "ramp", "sine"]
+    start_s: Annotated[float, Ge(0), Le(LONGEST_S)] = 0.0  # after tick 0
+    duration_s: Annotated[float, Ge(0), Le(LONGEST_S)] = 0.0  # ramp and sine; afterwards the last value stays
+    amount: Annotated[float, Ge(-1e4), Le(1e4)] = 0.0  # height of a step or ramp, amplitude of a sine at its start
+    blend_s: Annotated[float, Ge(0), Le(LONGEST_S)] = 0.0  # ramp: parabolic acceleration at each end, part of duration
+    frequency_hz: Annotated[float, Ge(0), Le(50)] = 0.0  # sine
+    phase_rad: Annotated[float, Ge(-2 * math.pi), Le(2 * math.pi)] = 0.0  # sine: a (sin(w t + phase) - sin(phase))
+    amount_end: Annotated[float, Ge(-1e4), Le(1e4)] | None = None  # sine: amplitude at its end; none = `amount`
+
+
+Reference = tuple[Segment, ...]
+
+
+class ImpedanceConfig(NamedTuple):
+    """Virtual mass, spring and damper that the tool shows to its environment; defaults are the force tests of 5.3."""
+
+    mass_kg: Annotated[float, Gt(0), Le(1e6)] = 500.0
+    stiffness_n_per_m: Annotated[float, Gt(0), Le(1e7)] = 50e3
+    damping_ratio: Annotated[float, Ge(0), Le(100)] = 1.2
+    damping: Literal["model", "net"] = "net"  # xi, or xi_net of model and environment: xi = xi_net sqrt(1 + k_eff / k)
+    environment_n_per_m: Annotated[float, Ge(0), Le(1e9)] = 25e3  # estimate of k_eff, plate and sensor in series
+    setpoint_compensation: bool = False  # force set-point times (k + k_eff) / k_eff
+
+
+class ControllerConfig(NamedTuple):
+    """The [controller] section of an experiment."""
+
+    law: Literal["pi", "morse", "deadband", "hysteresis", "vetia", "final"] = "final"
+    target: Literal["joint", "cartesian", "impedance"] = "impedance"
+    gains: tuple[LinkGains, LinkGains, LinkGains] = UNIMATE_GAINS
+    impedance: ImpedanceConfig = ImpedanceConfig()
+    slew_codes: Annotated[int, Ge(1), Le(FULL_SLEW_CODES)] = FULL_SLEW_CODES  # per sample
+    tight_slew_codes: Annotated[int, Ge(1), Le(FULL_SLEW_CODES)] = TIGHT_SLEW_CODES  # just after the gate opens
+    tight_samples: Annotated[int, Ge(0), Le(1000)] = TIGHT_SAMPLES
+    recover_current_a: Annotated[float, Ge(0), Le(180 * A_PER_MA)] = 120 * A_PER_MA  # just above link 2's break-away, 114 mA
+
+
+def impedance_params(config: ImpedanceConfig, force_axis: int, force_sign: float) -> ImpedanceParams:
+    """Natural frequency, damping ratio and force gain of the target model (thesis 5.1.3, 5.1.4, 5.3)."""
+    k, k_eff = config.stiffness_n_per_m, config.environment_n_per_m
+    xi = config.damping_ratio * (math.sqrt(1.0 + k_eff / k) if config.damping == "net" else 1.0)
+    gain = (k + k_eff) / k_eff if config.setpoint_compensation else 1.0
+    return ImpedanceParams(float(k), math.sqrt(k / config.mass_kg), float(xi), gain, force_axis, float(force_sign))
+
+
+def as_floats(gains: LinkGains) -> LinkGains:
+    """The same gains as floats: a kernel compiled for floats takes no int."""
+    return LinkGains(*(float(gain) for gain in gains))
+
+
+def controller_params(config: ControllerConfig, about: About, first_tick: int) -> ControllerParams:
+    """Kernel parameters for the machine that `about` describes; the trial begins at the negative `first_tick`."""
+    return ControllerParams(
+        law=LAWS[config.law],
+        target=TARGETS[config.target],
+        gains=(as_floats(config.gains[0]), as_floats(config.gains[1]), as_floats(config.gains[2])),
+        impedance=impedance_params(config.impedance, about.force_axis, about.force_sign),
+        geometry=UNIMATE_GEOMETRY,
+        calibration=calibration(about.encoders, about.force),
+        sample_period_ns=about.sample_period_ns,
+        first_tick=first_tick,
+        slew_codes=config.slew_codes,
+        tight_slew_codes=config.tight_slew_codes,
+        tight_samples=config.tight_samples,
+        recover_current_a=float(config.recover_current_a),
+    )
+
+
+def segment_row(segment: Segment) -> Row:
+    """The segment as numbers, in the order of `reference.COLUMNS`."""
+    return (
+        float(CHANNELS.index(segment.channel)),
+        float(KINDS.index(segment.kind)),
+        float(segment.start_s),
+        float(segment.duration_s),
+        float(segment.amount),
+        float(segment.blend_s),
+        2.0 * math.pi * segment.frequency_hz,
+        float(segment.phase_rad),
+        float(segment.amount if segment.amount_end is None else segment.amount_end),
+    )
+
+
+def segment_table(reference: Reference) -> tuple[Row, ...]:
+    """The reference as rows of floats; a rollout takes the same rows as a float64 array (n, 9)."""
+    return tuple(segment_row(segment) for segment in reference)
+
+
+def check(config: ControllerConfig, reference: Reference, q0_rad: Triple, pitch_rad: float = 0.0) -> None:
+    """Raise ValueError, one line, for a configuration whose fields are each valid but do not fit together."""
+    impedance = config.impedance
+    if impedance.setpoint_compensation and impedance.environment_n_per_m <= 0.0:
+        raise ValueError("controller.impedance: setpoint_compensation needs environment_n_per_m > 0")
+    if config.tight_slew_codes > config.slew_codes:
+        raise ValueError(f"controller: tight_slew_codes {config.tight_slew_codes} exceeds slew_codes {config.slew_codes}")
+    for index, segment in enumerate(reference):
+        check_segment(segment, config.target, f"reference segment {index} ({segment.channel}, {segment.kind})")
+    check_travel(config, reference, q0_rad, pitch_rad)
+
+
+def check_segment(segment: Segment, target: str, name: str) -> None:
+    """Raise ValueError for a segment that cannot be followed or that its target does not read."""
+    if (segment.channel in JOINT_CHANNELS) != (target == "joint"):
+        expected = "q1, q2 or q3" if target == "joint" else "x, y, z or force"
+        raise ValueError(f"{name}: target {target!r} reads {expected}")
+    if segment.kind in ("ramp", "sine") and segment.duration_s <= 0.0:
+        raise ValueError(f"{name}: duration_s must be > 0")
+    if segment.kind == "ramp" and 2.0 * segment.blend_s > segment.duration_s:
+        raise ValueError(f"{name}: two blends of {segment.blend_s} s do not fit into {segment.duration_s} s")
+    if segment.kind == "sine" and segment.frequency_hz <= 0.0:
+        raise ValueError(f"{name}: frequency_hz must be > 0")
+
+
+def check_travel(config: ControllerConfig, reference: Reference, q0_rad: Triple, pitch_rad: float) -> None:
+    """Raise ValueError where the reference, before any force acts, leaves the travel of a link."""
+    table = segment_table(reference)
+    x0_m = forward(UNIMATE_GEOMETRY, q0_rad, pitch_rad)
+    for time_s in check_times(reference):
+        deltas = reference_deltas(table, time_s)
+        if config.target == "joint":
+            _, clamped = clamp_joints(UNIMATE_GEOMETRY, (q0_rad[0] + deltas[0], q0_rad[1] + deltas[1], q0_rad[2] + deltas[2]))
+        else:
+            _, clamped = inverse(UNIMATE_GEOMETRY, (x0_m[0] + deltas[3], x0_m[1] + deltas[4], x0_m[2] + deltas[5]), pitch_rad)
+        if clamped:
+            raise ValueError(f"reference leaves the travel of {clamped_links(clamped)} at {time_s:.2f} s")
+
+
+def check_times(reference: Reference) -> list[float]:
+    """Times after tick 0 at which travel is checked: a grid through every moving segment, and every start and end."""
+    ends = {0.0} | {s.start_s for s in reference} | {s.start_s + s.duration_s for s in reference}
+    moving = [s for s in reference if s.kind != "step" and s.channel != "force"]
+    grid = {s.start_s + i * CHECK_STEP_S for s in moving for i in range(int(s.duration_s / CHECK_STEP_S) + 1)}
+    return sorted(ends | grid)
+
+
+def clamped_links(mask: int) -> str:
+    """Names and directions of the links in a clamp mask, e.g. 'down/up (high)'."""
+    limits = [f"{link} ({side})" for link in LINKS for side in ("low", "high")]  # in the order of the mask's bits
+    names = [limit for bit, limit in enumerate(limits) if mask >> bit & 1]
+    return ", ".join(names) or "every link (too near the shoulder)"

@@ -1,0 +1,78 @@
+"""Set-points of one sample: what the reference asks, what the target impedance makes of it, and the joints that reach it."""
+
+from typing import NamedTuple
+
+from services.controller.impedance import ImpedanceState, impedance_step
+from services.controller.kinematics import Triple, clamp_joints, forward, inverse
+from services.controller.params import TARGET_IMPEDANCE, TARGET_JOINT, ControllerParams
+from services.controller.reference import Deltas, Table, reference_deltas
+from services.controller.regression import POINTS
+from services.controller.trial import Trial
+from shared.kernel import kernel
+from shared.messages import NO_TRIAL
+
+READY_COUNTS = 2.0 + 1e-6  # the reference may start two counts from the pose; the rest is rounding
+
+
+class Demand(NamedTuple):
+    """Set-points of one sample."""
+
+    q_rad: Triple
+    x_m: Triple
+    nominal_m: Triple
+    impedance: ImpedanceState
+    clamped: int
+
+
+@kernel
+def nominal_joints(params: ControllerParams, trial: Trial, deltas: Deltas, pitch_rad: float) -> tuple[Triple, Triple, int]:
+    """(q, x, clamp mask) of the reference itself, before the environment yields anything."""
+    if params.target == TARGET_JOINT:
+        q0 = trial.q_start_rad
+        q, clamped = clamp_joints(params.geometry, (q0[0] + deltas[0], q0[1] + deltas[1], q0[2] + deltas[2]))
+        return q, forward(params.geometry, q, pitch_rad), clamped
+    x0 = trial.x_start_m
+    x = (x0[0] + deltas[3], x0[1] + deltas[4], x0[2] + deltas[5])
+    q, clamped = inverse(params.geometry, x, pitch_rad)
+    return q, x, clamped
+
+
+@kernel
+def demand(
+    params: ControllerParams,
+    impedance: ImpedanceState,
+    trial: Trial,
+    deltas: Deltas,
+    pitch_rad: float,
+    force_error_n: float,
+    dt_s: float,
+) -> Demand:
+    """Set-points while the law runs: reference, target impedance, inverse kinematics (thesis 5.1.3, steps 1 to 3)."""
+    if params.target != TARGET_IMPEDANCE:
+        q, x, clamped = nominal_joints(params, trial, deltas, pitch_rad)
+        return Demand(q, x, x, impedance, clamped)
+    x0 = trial.x_start_m
+    nominal = (x0[0] + deltas[3], x0[1] + deltas[4], x0[2] + deltas[5])
+    impedance, x = impedance_step(impedance, params.impedance, nominal, force_error_n, dt_s)
+    q, clamped = inverse(params.geometry, x, pitch_rad)
+    return Demand(q, x, nominal, impedance, clamped)
+
+
+@kernel
+def within_counts(a: float, b: float, scale: float) -> bool:
+    """Whether two positions of a link lie within two encoder counts."""
+    return abs((a - b) / scale) <= READY_COUNTS
+
+
+@kernel
+def judge_ready(params: ControllerParams, trial: Trial, table: Table, q: Triple, pitch_rad: float) -> int:
+    """1 if 20 samples are in, none was lost, and the reference at tick 0 starts within 2 counts of the measured pose."""
+    in_order = trial.whole if trial.started else trial.tick == NO_TRIAL
+    if not in_order or trial.samples < POINTS:
+        return 0
+    start, _, _ = nominal_joints(params, trial, reference_deltas(table, 0.0), pitch_rad)
+    scale = params.calibration.scale
+    near_1 = within_counts(start[0], q[0], scale[0])
+    near_2 = within_counts(start[1], q[1], scale[1])
+    near_3 = within_counts(start[2], q[2], scale[2])
+    return 1 if near_1 and near_2 and near_3 else 0

@@ -1,0 +1,191 @@
+"""The controller: one sample in, three D/A codes out (thesis 5.1.3 around chapter 4; `joystick_manipulate` of Appendix F).
+
+While the gate is shut the controller tracks: set-point = measured, integrals 0, target model at rest, codes zero.
+The law runs at tick 0, whose sample cannot yet report the gate that this very answer opens, and while the gate is open.
+"""
+
+import math
+from typing import NamedTuple
+
+from services.controller.impedance import ImpedanceState, mean_of_three, rest
+from services.controller.kinematics import Triple, forward, joint_positions
+from services.controller.laws import AT_REST, LinkLawState, law_step
+from services.controller.params import ControllerParams
+from services.controller.reference import Table, reference_deltas
+from services.controller.regression import Window, filled_window, push, velocities
+from services.controller.setpoint import Demand, demand, judge_ready, nominal_joints
+from services.controller.trial import Trial, advance, follows, runs
+from shared.converters import ZERO_CODE, current_to_code
+from shared.kernel import kernel
+from shared.messages import NO_TRIAL, ControllerState, GateState, Sample
+from shared.units import NS_PER_S
+
+GATE_RECOVERING = int(GateState.RECOVERING)
+BEFORE_START_S = -1.0  # reference time outside a trial: no segment has begun
+
+Codes = tuple[int, int, int]
+Laws = tuple[LinkLawState, LinkLawState, LinkLawState]
+STOPPED = (ZERO_CODE, ZERO_CODE, ZERO_CODE)
+LAWS_AT_REST = (AT_REST, AT_REST, AT_REST)
+
+
+class ControlMemory(NamedTuple):
+    """What the controller carries from sample to sample."""
+
+    trial: Trial
+    window: Window
+    force_counts: tuple[int, int]  # last, before last
+    force_set_n: tuple[float, float]
+    impedance: ImpedanceState
+    laws: Laws
+    ready: int  # judged while tracking, kept while the law runs
+
+
+class Force(NamedTuple):
+    """The gauge at one sample, in N."""
+
+    tared_n: float
+    mean_n: float  # tared, over three samples: what the target model feels
+    bias_n: float
+
+
+class Actuation(NamedTuple):
+    """What the laws make of one sample."""
+
+    laws: Laws
+    current_a: Triple
+    boosted: tuple[int, int, int]
+    codes: Codes
+
+
+def control_start(params: ControllerParams) -> ControlMemory:
+    """Memory of a controller that has seen nothing; the first sample fills it."""
+    origin = (0.0, 0.0, 0.0)
+    trial = Trial(-1, NO_TRIAL, 0, False, False, 0, origin, origin, 0, 0)
+    window = filled_window(0, origin, params.sample_period_ns)
+    return ControlMemory(trial, window, (0, 0), (0.0, 0.0), rest(origin, origin), LAWS_AT_REST, 0)
+
+
+@kernel
+def begin(memory: ControlMemory, params: ControllerParams, sample: Sample, q: Triple, x: Triple) -> ControlMemory:
+    """Memory before this sample: everything starts anew at a trial's first tick and wherever the samples do not follow."""
+    first = sample.tick == params.first_tick
+    if not first and follows(memory.trial, sample):
+        return memory
+    trial = Trial(sample.number, sample.tick, sample.time_ns, first, first, 0, q, x, 0, 0)
+    window = filled_window(sample.time_ns - params.sample_period_ns, q, params.sample_period_ns)
+    counts = (sample.force_counts, sample.force_counts)
+    return ControlMemory(trial, window, counts, (0.0, 0.0), rest(x, x), LAWS_AT_REST, 0)
+
+
+@kernel
+def tare(newton_per_count: float, counts: int, before: tuple[int, int], trial: Trial) -> Force:
+    """The gauge in N without the bias that the trial's negative ticks have averaged so far."""
+    bias_n = 0.0
+    if trial.bias_samples > 0:
+        bias_n = newton_per_count * (trial.bias_sum_counts / trial.bias_samples)
+    raw_n = newton_per_count * counts
+    mean_n = mean_of_three(raw_n, newton_per_count * before[0], newton_per_count * before[1])
+    return Force(raw_n - bias_n, mean_n - bias_n, bias_n)
+
+
+@kernel
+def slewed_code(current_a: float, accepted: int, limit: int) -> int:
+    """Code for `current_a`, at most `limit` from the code that the gate last accepted; at once zero if it is not finite."""
+    if not abs(current_a) < math.inf:
+        return ZERO_CODE
+    code = current_to_code(current_a)
+    if code > accepted + limit:
+        return accepted + limit
+    if code < accepted - limit:
+        return accepted - limit
+    return code
+
+
+@kernel
+def shaped_codes(params: ControllerParams, current_a: Triple, sample: Sample) -> Codes:
+    """Codes inside the slew limit in force: the tight one for the first samples after the gate opened."""
+    limit = params.slew_codes
+    if sample.gate_open_samples < params.tight_samples and params.tight_slew_codes < limit:
+        limit = params.tight_slew_codes
+    accepted = sample.dac_counts
+    return (
+        slewed_code(current_a[0], accepted[0], limit),
+        slewed_code(current_a[1], accepted[1], limit),
+        slewed_code(current_a[2], accepted[2], limit),
+    )
+
+
+@kernel
+def apply_laws(
+    params: ControllerParams, laws: Laws, sample: Sample, q: Triple, q_set: Triple, qd: Triple, qd_set: Triple, dt_s: float
+) -> Actuation:
+    """Answer of the three links' position laws."""
+    gains, law = params.gains, params.law
+    law_1, u_1, boosted_1 = law_step(laws[0], gains[0], law, q[0], q_set[0], qd[0], qd_set[0], dt_s)
+    law_2, u_2, boosted_2 = law_step(laws[1], gains[1], law, q[1], q_set[1], qd[1], qd_set[1], dt_s)
+    law_3, u_3, boosted_3 = law_step(laws[2], gains[2], law, q[2], q_set[2], qd[2], qd_set[2], dt_s)
+    current_a = (u_1, u_2, u_3)
+    return Actuation((law_1, law_2, law_3), current_a, (boosted_1, boosted_2, boosted_3), shaped_codes(params, current_a, sample))
+
+
+@kernel
+def unload(params: ControllerParams, sample: Sample) -> Actuation:
+    """Constant low current with the signs that a recovering gate allows; nothing from any other gate."""
+    if sample.gate != GATE_RECOVERING:
+        return Actuation(LAWS_AT_REST, (0.0, 0.0, 0.0), (0, 0, 0), STOPPED)
+    u, signs = params.recover_current_a, sample.recover_signs
+    current_a = (u * signs[0], u * signs[1], u * signs[2])
+    return Actuation(LAWS_AT_REST, current_a, (0, 0, 0), shaped_codes(params, current_a, sample))
+
+
+@kernel
+def control_step(
+    memory: ControlMemory, params: ControllerParams, table: Table, sample: Sample
+) -> tuple[ControlMemory, Codes, ControllerState]:
+    """Answer one sample: (memory, codes for the D/A, what the law thought). `compute_ns` is 0; the shell fills it."""
+    q, pitch_rad = joint_positions(params.calibration, sample.encoder_counts)
+    x = forward(params.geometry, q, pitch_rad)
+    memory = begin(memory, params, sample, q, x)
+    dt_s = (sample.time_ns - memory.trial.time_ns) / NS_PER_S
+    trial = advance(memory.trial, sample, q, x)
+    force = tare(params.calibration.force_n_per_count, sample.force_counts, memory.force_counts, trial)
+    deltas = reference_deltas(table, sample.trial_time_ns / NS_PER_S if trial.started else BEFORE_START_S)
+    running = runs(trial, sample)
+    ready = memory.ready
+    if running:
+        force_set_n = mean_of_three(deltas[6], memory.force_set_n[0], memory.force_set_n[1])
+        error_n = force.mean_n - params.impedance.force_gain * force_set_n
+        wanted = demand(params, memory.impedance, trial, deltas, pitch_rad, error_n, dt_s)
+    else:
+        _, nominal, _ = nominal_joints(params, trial, deltas, pitch_rad)
+        wanted = Demand(q, x, nominal, rest(x, nominal), 0)
+        ready = judge_ready(params, trial, table, q, pitch_rad)
+    window = push(memory.window, sample.time_ns, q, wanted.q_rad)
+    qd, qd_set = velocities(window)
+    made = apply_laws(params, memory.laws, sample, q, wanted.q_rad, qd, qd_set, dt_s) if running else unload(params, sample)
+    thought = ControllerState(
+        number=sample.number,
+        tick=sample.tick,
+        q_rad=q,
+        q_set_rad=wanted.q_rad,
+        qd_rad_per_s=qd,
+        qd_set_rad_per_s=qd_set,
+        x_m=x,
+        x_set_m=wanted.x_m,
+        x_nominal_m=wanted.nominal_m,
+        force_n=force.tared_n,
+        force_mean_n=force.mean_n,
+        force_set_n=deltas[6],
+        force_bias_n=force.bias_n,
+        current_a=made.current_a,
+        integral_a=(made.laws[0].integral_a, made.laws[1].integral_a, made.laws[2].integral_a),
+        boosted=made.boosted,
+        clamped=wanted.clamped,
+        ready=ready,
+        compute_ns=0,
+    )
+    force_counts = (sample.force_counts, memory.force_counts[0])
+    force_sets_n = (deltas[6], memory.force_set_n[0])
+    memory = ControlMemory(trial, window, force_counts, force_sets_n, wanted.impedance, made.laws, ready)
+    return memory, made.codes, thought

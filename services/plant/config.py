@@ -1,0 +1,63 @@
+"""What an experiment may say to the plant, and what only the plant's start-up may say."""
+
+from typing import Annotated, NamedTuple
+
+from annotated_types import Ge, Gt, Interval
+
+from services.plant.params import UNIMATE, Environment, MachineParams
+from shared.units import NS_PER_S, RAD_PER_DEG, SUBSTEP_NS
+
+_LATCH_LIMIT_SUBSTEPS = 80  # 4 ms: the thesis' program wrote its outputs about 4 ms after reading the encoders
+
+
+class PlantConfig(NamedTuple):
+    """Section [plant] of an experiment: the emulated machine, what it touches, where it starts, how it is sampled."""
+
+    machine: MachineParams = UNIMATE
+    environment: Environment = Environment()
+    initial_q_rad: tuple[
+        Annotated[float, Interval(ge=-110 * RAD_PER_DEG, le=110 * RAD_PER_DEG)],
+        Annotated[float, Interval(ge=-30 * RAD_PER_DEG, le=27 * RAD_PER_DEG)],
+        Annotated[float, Interval(ge=0.0, le=1.04)],  # third in m
+    ] = (0.0, 0.0, 0.212)
+    sample_period_substeps: Annotated[int, Interval(ge=20, le=200)] = 90  # 1 kHz to 100 Hz; 4.5 ms in the thesis
+    jitter_substeps: Annotated[int, Interval(ge=0, le=20)] = 0  # each interval is uniform within +- this
+    latch_substeps: Annotated[int, Ge(0)] = 0  # 0 = min(4 ms, 0.8 of the period)
+    bias_s: Annotated[float, Interval(gt=0.1, le=10.0)] = 2.0  # force bias removal (5.1.2)
+
+
+class GateLimits(NamedTuple):
+    """Limits of the gate. They come from the plant's start-up alone: no message changes them."""
+
+    permit_ttl_ns: Annotated[int, Gt(0)] = 20_000_000  # lease of industrial arms
+    command_ttl_ns: Annotated[int, Gt(0)] = 20_000_000
+    force_limit_n: Annotated[float, Gt(0)] = 420.0  # raw; above supervisor limit 334 + bias 60 + noise 10 N
+    min_code: int = 820
+    max_code: int = 3276
+    slew_codes: Annotated[int, Gt(0)] = 2456  # full range: the laws of the thesis command full swing in one sample
+    tight_slew_codes: Annotated[int, Gt(0)] = 100  # 29 mA, inside the valve's overlap of 36 mA
+    tight_samples: Annotated[int, Ge(0)] = 20  # after the gate opens
+    recover_codes: Annotated[int, Gt(0)] = 700  # 205 mA: above the worst break-away (176 mA, link 3 in)
+    min_force_counts: int = 0  # the gauge reads one direction
+    max_force_counts: int = 518  # 700 N, end of the gauge's range: there it is saturated
+
+
+def latch_substeps(config: PlantConfig) -> int:
+    """Sub-steps from a sample to the instant at which the D/A takes the command in.
+
+    Raises ValueError if the jitter leaves no room for it.
+    """
+    shortest = config.sample_period_substeps - config.jitter_substeps
+    default = min(_LATCH_LIMIT_SUBSTEPS, config.sample_period_substeps * 4 // 5, shortest)
+    latch = config.latch_substeps or default
+    if latch > shortest:
+        raise ValueError(
+            f"plant.latch_substeps is {latch} sub-steps, beyond the shortest interval of {shortest}: "
+            "choose a smaller latch or less jitter"
+        )
+    return latch
+
+
+def bias_ticks(config: PlantConfig) -> int:
+    """Samples of force bias removal before tick 0."""
+    return int(config.bias_s * NS_PER_S) // (config.sample_period_substeps * SUBSTEP_NS)

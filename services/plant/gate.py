@@ -1,0 +1,201 @@
+"""The gate between bus and D/A: zero current unless everything that permits motion holds. It has the last word.
+
+It is silent at boot, loses permission by absence, and never opens again on an arming that a cut has burned.
+Every condition states what must hold, so that an unknown value shuts.
+"""
+
+from typing import NamedTuple
+
+from services.plant.config import GateLimits
+from shared.converters import ZERO_CODE
+from shared.kernel import kernel
+from shared.messages import NO_COMMAND, GateCause, GateState, Mode
+
+SHUT, OPEN, BURNED, RECOVERING = map(int, GateState)
+(
+    NONE,
+    NO_PERMIT,
+    NOT_RUNNING,
+    BURNED_ARMING,
+    PERMIT_STALE,
+    COMMAND_MISSING,
+    COMMAND_STALE,
+    OTHER_ARMING,
+    EPOCH_CHANGED,
+    IMPOSSIBLE_ECHO,
+    OUT_OF_RANGE,
+    BEYOND_SLEW,
+    FORCE_INVALID,
+    FORCE_ABOVE_LIMIT,
+    NOT_UNLOADING,
+    ESTOP,
+    OVERSLEPT,
+) = map(int, GateCause)
+_RUNNING, _RECOVER = int(Mode.RUNNING), int(Mode.RECOVER)
+_ZERO = (ZERO_CODE, ZERO_CODE, ZERO_CODE)
+_NO_SIGNS = (0, 0, 0)
+_NO_ARMINGS = (0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0)
+
+
+class PermitSeen(NamedTuple):
+    """The newest valid permit; age by its echo, -1 if the echo names no sample of this plant."""
+
+    present: bool
+    arming: int
+    epoch: int
+    mode: int
+    age_ns: int
+    recover_signs: tuple[int, int, int]
+
+
+class CommandSeen(NamedTuple):
+    """The newest valid command; age by its echo, -1 if the echo names no sample of this plant."""
+
+    present: bool
+    arming: int
+    epoch: int
+    age_ns: int
+    number: int
+    codes: tuple[int, int, int]
+
+
+class GateInput(NamedTuple):
+    """What the gate judges at one instant."""
+
+    permit: PermitSeen
+    command: CommandSeen
+    force_counts: int
+    force_n: float
+    tick: int  # of the sample that is being answered
+    estop: bool
+    overslept: bool  # the plant itself stood still for longer than the lease
+
+
+class GateMemory(NamedTuple):
+    """State of the gate; `codes` is what stands at the D/A."""
+
+    state: int = SHUT
+    cause: int = NO_PERMIT
+    codes: tuple[int, int, int] = _ZERO
+    command_number: int = NO_COMMAND
+    open_samples: int = 0
+    arming: int = 0  # bound while open
+    permit_epoch: int = 0
+    command_epoch: int = 0
+    burned: tuple[int, int, int, int, int, int, int, int, int, int, int, int, int, int, int, int] = _NO_ARMINGS
+    recover_signs: tuple[int, int, int] = _NO_SIGNS
+
+
+NO_PERMIT_SEEN = PermitSeen(False, 0, 0, 0, -1, _NO_SIGNS)
+NO_COMMAND_SEEN = CommandSeen(False, 0, 0, -1, NO_COMMAND, _ZERO)
+
+
+@kernel
+def gate_step(memory: GateMemory, limits: GateLimits, seen: GateInput, at_latch: bool) -> GateMemory:
+    """Judge permit, command and force; `at_latch` marks the regular instant, once a sample."""
+    cause = _broken(memory, limits, seen)
+    shut = memory.state == SHUT or memory.state == BURNED  # noqa: PLR1714 (numba types no set of ints here)
+    if cause != NONE:
+        burned = memory.burned
+        if not shut:
+            burned = (memory.arming,) + burned[:-1]
+        elif cause >= IMPOSSIBLE_ECHO and seen.permit.arming != 0 and not _is_burned(burned, seen.permit.arming):
+            burned = (seen.permit.arming,) + burned[:-1]
+        state = BURNED if seen.permit.present and _is_burned(burned, seen.permit.arming) else SHUT
+        return GateMemory(state, cause, _ZERO, seen.command.number, 0, 0, 0, 0, burned, _NO_SIGNS)
+    recovering = seen.permit.mode == _RECOVER
+    samples = memory.open_samples + 1 if at_latch else memory.open_samples
+    return GateMemory(
+        RECOVERING if recovering else OPEN,
+        NONE,
+        seen.command.codes,
+        seen.command.number,
+        samples,
+        seen.permit.arming,
+        seen.permit.epoch,
+        seen.command.epoch,
+        memory.burned,
+        seen.permit.recover_signs if recovering else _NO_SIGNS,
+    )
+
+
+@kernel
+def _is_burned(burned: tuple[int, ...], arming: int) -> bool:
+    for number in burned:
+        if number == arming:
+            return True
+    return False
+
+
+@kernel
+def _broken(memory: GateMemory, limits: GateLimits, seen: GateInput) -> int:
+    """The first condition that does not hold."""
+    if seen.estop:
+        return ESTOP
+    if seen.overslept:
+        return OVERSLEPT
+    cause = _permit_broken(memory, limits, seen)
+    if cause == NONE:
+        cause = _command_broken(memory, limits, seen)
+    if cause == NONE and seen.permit.mode == _RUNNING:
+        cause = _force_broken(limits, seen)
+    return cause
+
+
+@kernel
+def _permit_broken(memory: GateMemory, limits: GateLimits, seen: GateInput) -> int:
+    permit = seen.permit
+    if not permit.present or permit.arming == 0:
+        return NO_PERMIT
+    if _is_burned(memory.burned, permit.arming):
+        return BURNED_ARMING
+    if not permit.age_ns >= 0:
+        return IMPOSSIBLE_ECHO
+    if not permit.age_ns <= limits.permit_ttl_ns:
+        return PERMIT_STALE
+    running = permit.mode == _RUNNING and seen.tick >= 0
+    if not (running or permit.mode == _RECOVER):
+        return NOT_RUNNING
+    if memory.arming != 0 and permit.arming != memory.arming:
+        return OTHER_ARMING
+    if memory.arming != 0 and permit.epoch != memory.permit_epoch:
+        return EPOCH_CHANGED
+    return NONE
+
+
+@kernel
+def _command_broken(memory: GateMemory, limits: GateLimits, seen: GateInput) -> int:
+    command = seen.command
+    if not command.present:
+        return COMMAND_MISSING
+    if not command.age_ns >= 0:
+        return IMPOSSIBLE_ECHO
+    if not command.age_ns <= limits.command_ttl_ns:
+        return COMMAND_STALE
+    if command.arming != seen.permit.arming:
+        return OTHER_ARMING
+    if memory.arming != 0 and command.epoch != memory.command_epoch:
+        return EPOCH_CHANGED
+    slew = limits.slew_codes
+    if memory.open_samples < limits.tight_samples:
+        slew = limits.tight_slew_codes
+    for link in range(3):
+        code = command.codes[link]
+        if not limits.min_code <= code <= limits.max_code:
+            return OUT_OF_RANGE
+        if not abs(code - memory.codes[link]) <= slew:
+            return BEYOND_SLEW
+        if seen.permit.mode == _RECOVER:
+            away = (code - ZERO_CODE) * seen.permit.recover_signs[link]
+            if not (0 <= away <= limits.recover_codes and (away > 0 or code == ZERO_CODE)):
+                return NOT_UNLOADING
+    return NONE
+
+
+@kernel
+def _force_broken(limits: GateLimits, seen: GateInput) -> int:
+    if not limits.min_force_counts <= seen.force_counts < limits.max_force_counts:
+        return FORCE_INVALID
+    if not abs(seen.force_n) <= limits.force_limit_n:
+        return FORCE_ABOVE_LIMIT
+    return NONE

@@ -1,0 +1,198 @@
+"""The machine between two samples: currents into valves, flows, pressures, motion, contact; and what can be read of it."""
+
+from typing import NamedTuple
+
+from services.plant.contact import ContactState, contact_start, contact_step
+from services.plant.friction import friction_limit, slide
+from services.plant.hydraulics import LinkState, chamber_step, port_area, port_flows, spool_step
+from services.plant.mechanism import Triple, gravity_loads, inertias, motion_loads, posture, tip, tip_loads
+from services.plant.params import AXIS_X, ContactParams, LinkParams, MachineParams
+from services.plant.sensors import encoder_counts, gauge_counts
+from shared.converters import code_to_current
+from shared.kernel import kernel
+from shared.messages import Truth
+from shared.units import SUBSTEP_S
+
+Counts3 = tuple[int, int, int]
+
+
+class MachineState(NamedTuple):
+    """Everything that the machine remembers; a link stands exactly where its speed is 0.0."""
+
+    q_rad: Triple
+    qd_rad_per_s: Triple
+    spool_a: Triple
+    pressure_a_pa: Triple
+    pressure_b_pa: Triple
+    contact: ContactState
+
+
+@kernel
+def within(value: float, low: float, high: float) -> float:
+    """`value` limited; a NaN stays one."""
+    if value < low:
+        return low
+    if value > high:
+        return high
+    return value
+
+
+@kernel
+def link_of(state: MachineState, link: LinkParams, index: int) -> LinkState:
+    """One link of the machine, inside its travel."""
+    return LinkState(
+        within(state.q_rad[index], link.travel_low_rad, link.travel_high_rad),
+        state.qd_rad_per_s[index],
+        state.spool_a[index],
+        state.pressure_a_pa[index],
+        state.pressure_b_pa[index],
+    )
+
+
+@kernel
+def link_step(
+    state: LinkState,
+    link: LinkParams,
+    machine: MachineParams,
+    current_a: float,
+    load_nm: float,
+    inertia_kg_m2: float,
+    step_s: float,
+) -> LinkState:
+    """Valve, pressures with the old speed, speed by projection, then position (semi-implicit Euler); stops absorb."""
+    ends_pa = (machine.supply_pressure_pa, machine.return_pressure_pa)
+    spool_a = spool_step(link, state.spool_a, current_a, step_s)
+    gain = link.flow_gain_m3_per_s_sqrt_pa * port_area(link, spool_a)
+    flows = port_flows(gain, (state.pressure_a_pa, state.pressure_b_pa), ends_pa, machine.root_smoothing_pa)
+    a_pa, b_pa = chamber_step(link, state, flows, ends_pa, step_s)
+    drive_nm = link.displacement_m3_per_rad * (a_pa - b_pa) - link.viscous_nms_per_rad * state.qd_rad_per_s + load_nm
+    limit_nm = friction_limit(link, state.qd_rad_per_s)
+    speed = slide(state.qd_rad_per_s, inertia_kg_m2, drive_nm, limit_nm, step_s)
+    moved_rad = state.q_rad + step_s * speed
+    q_rad = within(moved_rad, link.travel_low_rad, link.travel_high_rad)
+    return LinkState(q_rad, speed if moved_rad == q_rad else 0.0, spool_a, a_pa, b_pa)
+
+
+@kernel
+def advance_by(
+    state: MachineState,
+    machine: MachineParams,
+    contact: ContactParams,
+    currents_a: Triple,
+    substeps: int,
+    step_s: float,
+) -> MachineState:
+    """The machine after `substeps` steps of `step_s` under constant valve currents."""
+    first = link_of(state, machine.rotate, 0)
+    second = link_of(state, machine.down_up, 1)
+    third = link_of(state, machine.out_in, 2)
+    touch = state.contact
+    for _ in range(substeps):
+        arm = posture(machine, (first.q_rad, second.q_rad, third.q_rad))
+        touch = contact_step(touch, contact, machine, tip(arm), step_s)
+        push_n = contact.force_sign * touch.force_n
+        along_x = contact.force_axis == AXIS_X
+        weight = gravity_loads(machine, arm)
+        pushed = tip_loads(arm, push_n if along_x else 0.0, 0.0 if along_x else push_n)
+        inertia = inertias(machine, arm)
+        moved = motion_loads(machine, arm, inertia[1], (first.qd_rad_per_s, second.qd_rad_per_s, third.qd_rad_per_s))
+        load_1, load_2, load_3 = moved[0] + pushed[0], moved[1] + pushed[1] + weight[1], moved[2] + pushed[2] + weight[2]
+        first = link_step(first, machine.rotate, machine, currents_a[0], load_1, inertia[0], step_s)
+        second = link_step(second, machine.down_up, machine, currents_a[1], load_2, inertia[1], step_s)
+        third = link_step(third, machine.out_in, machine, currents_a[2], load_3, inertia[2], step_s)
+    return MachineState(
+        (first.q_rad, second.q_rad, third.q_rad),
+        (first.qd_rad_per_s, second.qd_rad_per_s, third.qd_rad_per_s),
+        (first.spool_a, second.spool_a, third.spool_a),
+        (first.pressure_a_pa, second.pressure_a_pa, third.pressure_a_pa),
+        (first.pressure_b_pa, second.pressure_b_pa, third.pressure_b_pa),
+        touch,
+    )
+
+
+@kernel
+def advance(state: MachineState, machine: MachineParams, contact: ContactParams, codes: Counts3, substeps: int) -> MachineState:
+    """The machine `substeps` of 50 us later, the D/A holding `codes`."""
+    currents_a = (code_to_current(codes[0]), code_to_current(codes[1]), code_to_current(codes[2]))
+    return advance_by(state, machine, contact, currents_a, substeps, SUBSTEP_S)
+
+
+@kernel
+def tip_position(state: MachineState, machine: MachineParams) -> Triple:
+    """Where the tip of the tool is, in m."""
+    first = link_of(state, machine.rotate, 0)
+    second = link_of(state, machine.down_up, 1)
+    third = link_of(state, machine.out_in, 2)
+    return tip(posture(machine, (first.q_rad, second.q_rad, third.q_rad)))
+
+
+@kernel
+def contact_force(state: MachineState, machine: MachineParams, contact: ContactParams) -> float:
+    """Compression of the gauge in N, never negative."""
+    return state.contact.force_n
+
+
+@kernel
+def sense(
+    state: MachineState, machine: MachineParams, contact: ContactParams, noise_n: float
+) -> tuple[tuple[int, int, int, int, int], int]:
+    """Encoder counters and counts of the force gauge at this instant."""
+    counts = encoder_counts(state.q_rad, machine.q4_rad)
+    return counts, gauge_counts(machine, contact_force(state, machine, contact), noise_n)
+
+
+@kernel
+def sticking(state: MachineState) -> Counts3:
+    """1 for each link that static friction holds."""
+    speeds = state.qd_rad_per_s
+    return int(speeds[0] == 0.0), int(speeds[1] == 0.0), int(speeds[2] == 0.0)
+
+
+@kernel
+def truth(state: MachineState, machine: MachineParams, contact: ContactParams, number: int, tick: int) -> Truth:
+    """What only an emulator knows, as it is published."""
+    return Truth(
+        number,
+        tick,
+        state.q_rad,
+        state.qd_rad_per_s,
+        state.pressure_a_pa,
+        state.pressure_b_pa,
+        state.spool_a,
+        sticking(state),
+        tip_position(state, machine),
+        contact_force(state, machine, contact),
+        state.contact.environment_m,
+    )
+
+
+def balanced_pressures(machine: MachineParams, link: LinkParams, load_nm: float) -> tuple[float, float]:
+    """Chamber pressures about the middle of supply and return that carry `load_nm`:  D (Pa - Pb) + tau = 0."""
+    middle_pa = (machine.supply_pressure_pa + machine.return_pressure_pa) / 2.0
+    half_pa = -load_nm / link.displacement_m3_per_rad / 2.0
+    low_pa, high_pa = machine.return_pressure_pa, machine.supply_pressure_pa
+    return within(middle_pa + half_pa, low_pa, high_pa), within(middle_pa - half_pa, low_pa, high_pa)
+
+
+def machine_start(machine: MachineParams, contact: ContactParams, q_rad: Triple) -> MachineState:
+    """The machine at rest at `q_rad`: stuck, balanced, spools at null; ValueError outside the travel."""
+    links = (machine.rotate, machine.down_up, machine.out_in)
+    for number, (value, link) in enumerate(zip(q_rad, links, strict=True), start=1):
+        if not link.travel_low_rad <= value <= link.travel_high_rad:
+            travel = f"{link.travel_low_rad:g}..{link.travel_high_rad:g}"
+            raise ValueError(f"link {number} starts at {value:g} rad (m for link 3); expected {travel}")
+    arm = posture(machine, q_rad)
+    touch = contact_start(contact, machine, tip(arm))
+    push_n = contact.force_sign * touch.force_n
+    pushed = tip_loads(arm, push_n, 0.0) if contact.force_axis == AXIS_X else tip_loads(arm, 0.0, push_n)
+    weight = gravity_loads(machine, arm)
+    pressures = [balanced_pressures(machine, link, p + w) for link, p, w in zip(links, pushed, weight, strict=True)]
+    a, b = zip(*pressures, strict=True)
+    return MachineState(
+        (q_rad[0], q_rad[1], q_rad[2]),
+        (0.0, 0.0, 0.0),
+        (machine.rotate.null_bias_a, machine.down_up.null_bias_a, machine.out_in.null_bias_a),
+        (a[0], a[1], a[2]),
+        (b[0], b[1], b[2]),
+        touch,
+    )

@@ -1,0 +1,51 @@
+"""What the DAQ reads of the machine: encoder counters and the force gauge, in counts."""
+
+import math
+
+from services.plant.params import MachineParams
+from shared.converters import MAX_FORCE_COUNTS, MIN_FORCE_COUNTS, UNIMATE_ENCODERS, UNIMATE_FORCE
+from shared.kernel import kernel
+
+SCALE = tuple(channel.scale for channel in UNIMATE_ENCODERS)
+OFFSET = tuple(channel.offset for channel in UNIMATE_ENCODERS)
+MASK = tuple((1 << channel.bits) - 1 for channel in UNIMATE_ENCODERS)
+N_PER_COUNT = UNIMATE_FORCE.scale
+COUNTS_LIMIT = 1e9  # beyond it, or not a number: nothing that a counter holds
+ROLL_COUNT = 0  # the program reads this channel and uses it nowhere
+
+
+@kernel
+def encoder_count(value: float, scale: float, offset: float, mask: int) -> int:
+    """Counter of an encoder: floor((value - offset) / scale), wrapped to its bits; zero for what is no number."""
+    counts = (value - offset) / scale
+    if not -COUNTS_LIMIT < counts < COUNTS_LIMIT:
+        return 0
+    return math.floor(counts) & mask
+
+
+@kernel
+def encoder_counts(q_rad: tuple[float, float, float], q4_rad: float) -> tuple[int, int, int, int, int]:
+    """Counters of rotate, down/up, out/in, roll and pitch."""
+    return (
+        encoder_count(q_rad[0], SCALE[0], OFFSET[0], MASK[0]),
+        encoder_count(q_rad[1], SCALE[1], OFFSET[1], MASK[1]),
+        encoder_count(q_rad[2], SCALE[2], OFFSET[2], MASK[2]),
+        ROLL_COUNT,
+        encoder_count(q4_rad, SCALE[4], OFFSET[4], MASK[4]),
+    )
+
+
+@kernel
+def gauge_counts(machine: MachineParams, force_n: float, noise_n: float) -> int:
+    """A/D counts of the gauge: force + bias + noise, limited by the amplifier, floored; lowest count if not a number."""
+    reading_n = force_n + machine.force_bias_n + noise_n
+    if reading_n < machine.force_low_n:
+        reading_n = machine.force_low_n
+    elif reading_n > machine.force_high_n:
+        reading_n = machine.force_high_n
+    counts = reading_n / N_PER_COUNT
+    if not counts > MIN_FORCE_COUNTS:
+        return MIN_FORCE_COUNTS
+    if counts > MAX_FORCE_COUNTS:
+        return MAX_FORCE_COUNTS
+    return math.floor(counts)

@@ -1,0 +1,124 @@
+"""How a recording is laid out: the arm and the verdicts, the three plots of the thesis' figures, and what lies behind them."""
+
+from typing import Any
+
+import rerun as rr
+import rerun.blueprint as rrb
+
+from services.recorder import scene
+from services.recorder.drawing import ROOT, SAMPLE, TRIAL_TIME
+from services.recorder.lanes import lanes
+from shared.messages import ControllerState, Permit, Sample, Truth
+
+TRAIL_S = 3.0
+LIVE_WINDOW_SAMPLES = 2500  # about 11 s at 222 Hz
+BACKGROUND = [24, 26, 32]
+AXES = ("x", "y", "z")
+
+
+def layout(force_axis: int = scene.DEFAULT_AXIS, live: bool = False) -> rrb.Blueprint:
+    """The layout; live it follows the newest sample in a sliding window."""
+    timeline = SAMPLE if live else TRIAL_TIME
+    left = rrb.Vertical(_arm(timeline, live), _words(live), row_shares=[3, 2])
+    middle = rrb.Vertical(*_thesis(force_axis, live), _lanes(), row_shares=[3, 3, 3, 2.6])
+    right = rrb.Vertical(*_behind(live))
+    return rrb.Blueprint(
+        rrb.Horizontal(left, middle, right, column_shares=[1.0, 1.35, 1.0]),
+        rrb.TimePanel(state="collapsed", timeline=timeline, play_state="following" if live else "paused"),
+        rrb.SelectionPanel(state="collapsed"),
+        rrb.BlueprintPanel(state="collapsed"),
+        auto_views=False,
+        auto_layout=False,
+    )
+
+
+def _window(timeline: str, back: Any) -> rrb.VisibleTimeRange:
+    now = rrb.TimeRangeBoundary.cursor_relative(seq=0) if timeline == SAMPLE else rrb.TimeRangeBoundary.cursor_relative(seconds=0)
+    return rrb.VisibleTimeRange(timeline, start=back, end=now)
+
+
+def _arm(timeline: str, live: bool) -> rrb.Spatial3DView:
+    if timeline == SAMPLE:
+        back = rrb.TimeRangeBoundary.cursor_relative(seq=-int(TRAIL_S * 1e9 / scene.DEFAULT_PERIOD_NS))
+    else:
+        back = rrb.TimeRangeBoundary.cursor_relative(seconds=-TRAIL_S)
+    return rrb.Spatial3DView(
+        origin="/",
+        contents=["/scene/**", "/tf_static/**"],
+        name="Arm: target, path and the environment's push",
+        background=rrb.Background(kind="SolidColor", color=BACKGROUND),
+        line_grid=rrb.LineGrid3D(visible=True, spacing=0.5, plane=rr.components.Plane3D.XY.with_distance(-1.0)),
+        spatial_information=rrb.SpatialInformation(target_frame=ROOT),
+        eye_controls=rrb.EyeControls3D(position=(1.6, -3.1, 0.9), look_target=(0.55, 0.0, -0.2), eye_up=(0, 0, 1)),
+        defaults=[rr.Boxes3D.from_fields(fill_mode="solid"), rr.Cylinders3D.from_fields(fill_mode="solid")],
+        overrides={f"/{scene.PATH}": rrb.VisibleTimeRanges(_window(timeline, back))},
+    )
+
+
+def _words(live: bool) -> rrb.Tabs:
+    summary = rrb.TextDocumentView(origin="/summary", name="Claims and verdicts")
+    machine = rrb.TextDocumentView(origin="/machine", name="Machine")
+    events = rrb.TextLogView(origin="/log", name="Events")
+    return rrb.Tabs(summary, events, machine, active_tab="Events" if live else "Claims and verdicts")
+
+
+def _plot(name: str, contents: list[str], live: bool, legend: str = "RightTop") -> rrb.TimeSeriesView:
+    options: dict[str, Any] = {}
+    axis = rrb.TimeAxis(link="LinkToGlobal")
+    if live:
+        back, now = rrb.TimeRangeBoundary.cursor_relative(seq=-LIVE_WINDOW_SAMPLES), rrb.TimeRangeBoundary.cursor_relative(seq=0)
+        options["time_ranges"] = [rrb.VisibleTimeRange(SAMPLE, start=back, end=now)]
+        axis = rrb.TimeAxis(view_range=rr.TimeRange(back, now))
+    corner = rrb.PlotLegend(corner=legend, visible=True)
+    return rrb.TimeSeriesView(origin="/", contents=contents, name=name, axis_x=axis, plot_legend=corner, **options)
+
+
+def _thesis(force_axis: int, live: bool) -> list[rrb.TimeSeriesView]:
+    """Force, position and control signal, one above the other, as every figure of chapter 5 shows them."""
+    axis = AXES[force_axis]
+    return [
+        _plot("Force [N]", ["/figure/force", "/figure/contact_force", "/figure/force_limit"], live),
+        _plot(f"Position {axis} [mm]", [f"/figure/position/{axis}"], live),
+        _plot("Valve signal [mA]", ["/figure/valve"], live),
+    ]
+
+
+def _lanes() -> rrb.Tabs:
+    """Who allows what, and what friction does; each lane is written on change only."""
+    modes, friction = (Permit, Sample), (ControllerState, Truth)
+    return rrb.Tabs(
+        *(_lane_view(name, messages) for name, messages in (("Modes", modes), ("Friction and integral", friction))), active_tab=0
+    )
+
+
+def _lane_view(name: str, messages: tuple[type, ...]) -> rrb.StateTimelineView:
+    contents = [f"/{lane.entity}" for message in messages for lane in lanes(message)]
+    return rrb.StateTimelineView(origin="/", contents=contents, name=name, time_view=rrb.TimeAxis(link="LinkToGlobal"))
+
+
+def _behind(live: bool) -> list[Any]:
+    tracking = rrb.Tabs(
+        _plot("Tracking error [deg, mm]", ["/figure/error/**"], live),
+        _plot("Position x [mm]", ["/figure/position/x"], live),
+        _plot("Position y [mm]", ["/figure/position/y"], live),
+        _plot("Position z [mm]", ["/figure/position/z"], live),
+        active_tab=0,
+    )
+    speed = rrb.Tabs(
+        _plot("Velocity [deg/s]", ["/figure/velocity/angle"], live),
+        _plot("Velocity out/in [mm/s]", ["/figure/velocity/extension"], live),
+        active_tab=0,
+    )
+    pressure = rrb.Tabs(
+        _plot("Pressure [MPa]", ["/figure/pressure"], live),
+        _plot("Demand [mA]", ["/figure/demand"], live),
+        _plot("Integral [mA]", ["/figure/integral"], live),
+        _plot("Environment [mm]", ["/figure/environment"], live),
+        active_tab=0,
+    )
+    latency = rrb.Tabs(
+        _plot("Latency per hop [ms]", ["/figure/latency/**"], live),
+        _plot("Missing messages", ["/missing/**"], live),
+        active_tab=0,
+    )
+    return [tracking, speed, pressure, latency]

@@ -1,0 +1,66 @@
+"""One line in words for each thing that happened: what the event log of a recording says."""
+
+from typing import Literal, NamedTuple
+
+from services.recorder.gaps import Counted
+from shared.codec import Header, Rejected
+from shared.messages import NO_COMMAND, GateCause, GateEvent, GateState, Mode, Permit, TripCause
+
+Level = Literal["INFO", "WARN", "ERROR"]
+
+
+class Event(NamedTuple):
+    """A line of the log."""
+
+    source: str
+    level: Level
+    text: str
+
+
+def _word(members: type[Mode] | type[TripCause] | type[GateState] | type[GateCause], value: int) -> str:
+    return members(value).name.lower().replace("_", " ") if value in set(members) else str(value)
+
+
+def gate_event(event: GateEvent) -> Event:
+    """A decision of the gate."""
+    level: Level = "ERROR" if event.state == GateState.BURNED else "WARN"
+    words = f"gate {_word(GateState, event.state)}: {_word(GateCause, event.cause)}"
+    return Event("gate", level, f"{words}, {event.measured:g} against {event.limit:g}, sample {event.number}")
+
+
+def permit_events(before: Permit | None, now: Permit) -> list[Event]:
+    """Changes of mode and trips, from one permit to the next."""
+    if before is not None and (before.mode, before.cause, before.first_sample) == (now.mode, now.cause, now.first_sample):
+        return []
+    mode = _word(Mode, now.mode)
+    if now.mode == Mode.TRIPPED and (before is None or before.cause != now.cause or before.mode != now.mode):
+        cause = _word(TripCause, now.cause)
+        return [
+            Event("supervisor", "ERROR", f"tripped: {cause}, {now.measured:g} against {now.limit:g}, sample {now.trip_number}")
+        ]
+    if before is not None and before.mode != now.mode:
+        return [Event("supervisor", "INFO", f"{_word(Mode, before.mode)} -> {mode}")]
+    if now.first_sample != NO_COMMAND and (before is None or before.first_sample != now.first_sample):
+        ticks = f"{now.bias_ticks} ticks of force bias, then {now.duration_ticks}"
+        return [Event("supervisor", "INFO", f"trial announced: first sample {now.first_sample}, {ticks}")]
+    return [Event("supervisor", "INFO", mode)] if before is None else []
+
+
+def gap_event(topic: str, header: Header, counted: Counted) -> Event | None:
+    """A gap in a publisher's numbers, or its restart."""
+    if counted.restarted:
+        return Event("recorder", "WARN", f"{header.sender} started anew on {topic}: epoch {header.epoch}")
+    if counted.skipped:
+        first, last = header.seq - counted.skipped, header.seq - 1
+        return Event("recorder", "WARN", f"{counted.skipped} missing on {topic} from {header.sender}: {first} to {last}")
+    return None
+
+
+def rejected_event(rejected: Rejected, times: int) -> Event:
+    """A frame that was not ours; the first of a cause, and then at each doubling of its count."""
+    return Event("recorder", "WARN", f"{times} refused on {rejected.topic}: {rejected.cause}, {rejected.detail}")
+
+
+def is_told(times: int) -> bool:
+    """Whether the `times`-th of its kind gets a line: 1, 2, 4, 8, ..."""
+    return times & (times - 1) == 0

@@ -1,0 +1,47 @@
+"""Zero loss is counted, not hoped for: every publisher numbers its messages, a skipped number is a missing message."""
+
+from typing import NamedTuple
+
+
+class Sequence(NamedTuple):
+    """Count of one publisher's messages on one topic."""
+
+    epoch: int
+    last: int
+    received: int = 1
+    missing: int = 0  # numbers skipped
+    unordered: int = 0  # numbers at or below one already seen: repeated or resequenced
+    restarts: int = 0  # changes of epoch; the numbers start again
+
+
+class Counted(NamedTuple):
+    """A message counted: the new count and what it revealed."""
+
+    sequence: Sequence
+    skipped: int  # messages missing just before this one
+    restarted: bool
+
+
+def count(before: Sequence | None, epoch: int, seq: int) -> Counted:
+    """Count one message. The first seen of a publisher opens the count: what came before it is not missed."""
+    if before is None:
+        return Counted(Sequence(epoch, seq), 0, False)
+    seen = before._replace(received=before.received + 1)
+    if epoch != before.epoch:
+        return Counted(seen._replace(epoch=epoch, last=seq, restarts=before.restarts + 1), 0, True)
+    if seq <= before.last:
+        return Counted(seen._replace(unordered=before.unordered + 1), 0, False)
+    skipped = seq - before.last - 1
+    return Counted(seen._replace(last=seq, missing=before.missing + skipped), skipped, False)
+
+
+def since(now: Sequence, start: Sequence | None) -> Sequence:
+    """What was counted after `start`."""
+    if start is None:
+        return now
+    return now._replace(
+        received=now.received - start.received,
+        missing=now.missing - start.missing,
+        unordered=now.unordered - start.unordered,
+        restarts=now.restarts - start.restarts,
+    )

@@ -1,0 +1,192 @@
+"""The recorder without its bus: messages in, at most one open recording and a live view out, everything counted."""
+
+import sys
+from collections.abc import Iterable
+from pathlib import Path
+from typing import Any, NamedTuple, Protocol
+
+from services.recorder.drawing import Drawn, draw
+from services.recorder.events import Event, gap_event, is_told, rejected_event
+from services.recorder.gaps import Counted, Sequence, count, since
+from services.recorder.recording import Recording
+from services.recorder.rows import Rows
+from services.recorder.scene import machine
+from services.recorder.writer import Writer
+from shared.codec import Received, Rejected
+from shared.messages import About
+from shared.units import NS_PER_S
+
+FLUSH_NS = 225_000_000  # 50 samples at 222 Hz, 225 at 1 kHz: what a batch holds, and what a kill loses
+CHECK_NS = NS_PER_S  # a flush tells of a full disk
+
+
+class Link(NamedTuple):
+    """One publisher on one topic."""
+
+    topic: str
+    sender: str
+
+
+class Output(Protocol):
+    """Where rows go."""
+
+    def send(self, drawn: Drawn) -> None:
+        """Write or queue rows."""
+
+
+class Recorder:
+    """Counts always; writes when a recording is open or a live view is there."""
+
+    def __init__(self, cell: str = "", live: Output | None = None) -> None:
+        """Nothing open, nothing counted."""
+        self._cell = cell
+        self._live = live
+        self._links: dict[Link, Sequence] = {}
+        self._rejected: dict[tuple[str, str], int] = {}
+        self._recording: Recording | None = None
+        self._at_start: dict[Link, Sequence] = {}
+        self._told = ""
+        self._flushed_ns = self._checked_ns = 0
+        self._axis: int | None = None
+        self._writer = Writer(self._emit)
+
+    def take(self, messages: Iterable[Received | Rejected]) -> None:
+        """Everything that arrived since the last call, the samples before what answers them."""
+        gaps: dict[Link, tuple[Received, Counted]] = {}
+        for message in messages:
+            if isinstance(message, Rejected):
+                self._refused(message)
+                continue
+            link = Link(message.topic, message.header.sender)
+            counted = count(self._links.get(link), message.header.epoch, message.header.seq)
+            self._links[link] = counted.sequence
+            if counted.skipped or counted.restarted:
+                before = gaps[link][1].skipped if link in gaps else 0
+                gaps[link] = (message, counted._replace(skipped=before + counted.skipped))
+            if self._is_writing or isinstance(message.body, About):
+                self._writer.take(message)
+        for message, counted in gaps.values():  # one line a link and call, however many gaps
+            self._tell(gap_event(message.topic, message.header, counted))
+        self._lay_out()
+
+    def tick(self, now_ns: int) -> None:
+        """Write batches that do not fill, look after the file."""
+        if now_ns - self._flushed_ns >= FLUSH_NS:
+            self._flushed_ns = now_ns
+            self._writer.flush()
+        if now_ns - self._checked_ns >= CHECK_NS:
+            self._checked_ns = now_ns
+            self._write_missing()
+            self._check()
+
+    def record(self, path: Path, title: str, summary: str = "") -> dict[str, Any]:
+        """Open a new recording; one that is open is closed first. Raises OSError if the file cannot be created."""
+        if self._recording is not None:
+            self.finish("")
+        axis = machine(self._writer.about).force_axis
+        recording = Recording(path, title, axis)
+        recording.describe("rig", cell=self._cell)
+        self._writer.flush(everything=True)
+        self._recording, self._axis, self._at_start = recording, axis, dict(self._links)
+        self._writer.begin()
+        self._summary = summary or f"# {title}"
+        self._emit(Rows("summary", "document", None, self._summary))
+        self._check()
+        return {"path": str(recording.path), "failure": recording.failure}
+
+    def finish(self, summary: str = "") -> dict[str, Any]:
+        """Write what is left, the verdicts and the counts; close. Without an open recording the reply says so."""
+        recording = self._recording
+        if recording is None:
+            return {"path": "", "rows": 0, "gaps": 0, "bytes": 0, "failure": "no recording is open"}
+        self._writer.flush(everything=True)
+        self._write_missing()
+        report = self._report(recording)
+        self._emit(Rows("summary", "document", None, f"{summary or self._summary}\n\n{counts_table(report)}"))
+        recording.close()
+        self._check()
+        self._recording, self._told = None, ""
+        return report | {"bytes": recording.bytes, "failure": recording.failure}
+
+    def status(self) -> dict[str, Any]:
+        """What is open and what was counted since the recorder's start."""
+        open_now = self._report(self._recording) if self._recording else {"path": "", "failure": ""}
+        received = {f"{link.topic} {link.sender}": sequence._asdict() for link, sequence in self._links.items()}
+        refused = {f"{topic} {cause}": times for (topic, cause), times in self._rejected.items()}
+        return {
+            "recording": open_now,
+            "received": received,
+            "refused": refused,
+            "live_dropped": getattr(self._live, "dropped", 0),
+        }
+
+    @property
+    def _is_writing(self) -> bool:
+        return self._live is not None or self._recording is not None
+
+    def _emit(self, rows: Rows) -> None:
+        if not self._is_writing:
+            return
+        drawn = draw(rows)
+        if self._recording is not None:
+            self._recording.send(drawn)
+        if self._live is not None:
+            self._live.send(drawn)
+
+    def _tell(self, event: Event | None) -> None:
+        if event is not None and self._is_writing:
+            self._writer.tell(event)
+
+    def _refused(self, rejected: Rejected) -> None:
+        key = (rejected.topic, rejected.cause)
+        times = self._rejected[key] = self._rejected.get(key, 0) + 1
+        if is_told(times):
+            self._tell(rejected_event(rejected, times))
+
+    def _lay_out(self) -> None:
+        """The force gauge's axis is known when the plant has described itself; the layout shows that axis."""
+        axis = machine(self._writer.about).force_axis
+        if self._recording is not None and axis != self._axis:
+            self._axis = axis
+            self._recording.lay_out(axis)
+
+    def _write_missing(self) -> None:
+        for link, sequence in self._counted().items():
+            self._writer.scalar(f"missing/{link.topic}/{link.sender}", float(sequence.missing))
+
+    def _counted(self) -> dict[Link, Sequence]:
+        return {link: since(sequence, self._at_start.get(link)) for link, sequence in self._links.items()}
+
+    def _report(self, recording: Recording) -> dict[str, Any]:
+        counted = self._counted()
+        gaps = {f"{link.topic} {link.sender}": sequence.missing for link, sequence in counted.items()}
+        return {
+            "path": str(recording.path),
+            "rows": sum(self._writer.rows.values()),
+            "gaps": sum(gaps.values()),
+            "bytes": recording.bytes,
+            "failure": recording.failure,
+            "rows_by_topic": dict(self._writer.rows),
+            "gaps_by_topic": gaps,
+            "unordered": sum(sequence.unordered for sequence in counted.values()),
+        }
+
+    def _check(self) -> None:
+        if self._recording is None:
+            return
+        failure = self._recording.failure or self._recording.check()
+        if failure and failure != self._told:
+            self._told = failure
+            print(f"recorder: the recording has stopped, counting goes on: {failure}", file=sys.stderr, flush=True)
+
+
+def counts_table(report: dict[str, Any]) -> str:
+    """What the recording holds and what it misses, in Markdown."""
+    rows: dict[str, int] = report["rows_by_topic"]
+    gaps: dict[str, int] = report["gaps_by_topic"]
+    lines = []
+    for topic in sorted(rows):
+        missing = sum(n for link, n in gaps.items() if link.split(" ")[0] == topic)
+        lines.append(f"| {topic} | {rows[topic]} | {missing} |")
+    verdict = "complete: no message is missing" if not report["gaps"] else f"**{report['gaps']} messages are missing**"
+    return "\n".join(["## Recording", "", verdict, "", "| topic | rows | missing |", "|-|-:|-:|", *lines])

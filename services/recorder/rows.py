@@ -1,0 +1,43 @@
+"""What the recorder writes: rows of one entity, placed on the timelines. Numbers and text only, no rerun."""
+
+from typing import Any, Literal, NamedTuple
+
+import numpy as np
+from numpy.typing import NDArray
+
+from services.recorder.places import Place
+
+Kind = Literal["scalars", "names", "state", "text", "joint", "points", "arrows", "document"]
+
+
+class Times(NamedTuple):
+    """Sample number of each row, and its time in the trial; rows in and out of a trial never share a batch."""
+
+    samples: NDArray[np.int64]
+    trial_ns: NDArray[np.int64] | None
+
+
+class Rows(NamedTuple):
+    """Rows for one entity; `times` None = holds for the whole recording.
+
+    values: scalars (n, k); names k texts; state n texts; text n (level, text); joint (n,); points (n, 3);
+    arrows (n, 2, 3) origin and vector; document one text in Markdown.
+    """
+
+    entity: str
+    kind: Kind
+    times: Times | None
+    values: Any
+
+
+def times_of(places: list[Place]) -> Times:
+    """Times of rows that all lie in a trial, or all outside."""
+    samples = np.array([place.number for place in places], np.int64)
+    if not places or places[0].trial_time_ns is None:
+        return Times(samples, None)
+    return Times(samples, np.array([place.trial_time_ns for place in places], np.int64))
+
+
+def only(times: Times, kept: NDArray[Any]) -> Times:
+    """The times of some of the rows; `kept` is a mask or indices."""
+    return Times(times.samples[kept], None if times.trial_ns is None else times.trial_ns[kept])

@@ -1,0 +1,186 @@
+"""Messages in, rows out: batches per topic, placed at their samples, with figures, lanes, scene and events."""
+
+from collections.abc import Callable
+from typing import Any, NamedTuple
+
+import numpy as np
+
+from services.recorder import scene
+from services.recorder.columns import MS, Matrix, column_names, figure_values, figures, flat
+from services.recorder.events import Event, gate_event, permit_events
+from services.recorder.lanes import changes, lanes
+from services.recorder.places import Place, Places, sample_number
+from services.recorder.rows import Rows, Times, only, times_of
+from shared.codec import Received
+from shared.converters import UNIMATE_CONVERTERS
+from shared.messages import About, Command, ControllerState, GateEvent, Permit, Sample
+
+BATCH_ROWS = 256  # a batch is a chunk of the file with about 1 kB around it; the shell flushes after 50 rows' time at 222 Hz
+ANSWER_LATENCY = "figure/latency/answer"
+
+
+class Placed(NamedTuple):
+    """A message, its place on the timelines and its scalars."""
+
+    message: Received
+    place: Place
+    row: list[float]
+
+
+class Writer:
+    """Turns what arrived into rows for `emit`. Knows one plant at a time."""
+
+    def __init__(self, emit: Callable[[Rows], None], batch_rows: int = BATCH_ROWS) -> None:
+        """Nothing waits, no plant is known."""
+        self._emit = emit
+        self._batch_rows = batch_rows
+        self._waiting: dict[str, list[Received]] = {}
+        self._places = Places()
+        self._plant_epoch: int | None = None
+        self.about: About | None = None
+        self.rows: dict[str, int] = {}
+        self.begin()
+
+    def begin(self) -> None:
+        """A new recording begins: everything waiting goes out, then names and lanes are told again."""
+        self.flush(everything=True)
+        self._named: dict[str, tuple[str, ...]] = {}
+        self._lane: dict[tuple[str, bool], float] = {}
+        self._permit: Permit | None = None
+        self._arming = 0
+        self.rows = {}
+        if self.about is not None:
+            self._describe(self.about)
+
+    def take(self, message: Received) -> None:
+        """One message."""
+        body = message.body
+        if isinstance(body, About):
+            self.about = body
+            self._describe(body)
+            self.rows[message.topic] = self.rows.get(message.topic, 0) + 1
+            return
+        if isinstance(body, Sample):
+            self._follow_plant(message.header.epoch)
+            self._places.add(body, message.arrival_ns)
+        elif isinstance(body, Permit):
+            self._tell_permit(message)
+        waiting = self._waiting.setdefault(message.topic, [])
+        waiting.append(message)
+        if len(waiting) >= self._batch_rows:
+            self._flush_topic(message.topic, everything=len(waiting) >= 2 * self._batch_rows)
+
+    def flush(self, everything: bool = False) -> None:
+        """Write what waits; rows whose sample has not come yet go on waiting unless `everything`."""
+        for topic in list(self._waiting):
+            self._flush_topic(topic, everything)
+
+    def tell(self, event: Event, place: Place | None = None) -> None:
+        """Write a line to the event log, at the newest sample unless a place is given."""
+        place = self._places.newest if place is None else place
+        self._emit(Rows(f"log/{event.source}", "text", times_of([place]), [(event.level, event.text)]))
+
+    def scalar(self, entity: str, value: float) -> None:
+        """Write one number at the newest sample."""
+        self._emit(Rows(entity, "scalars", times_of([self._places.newest]), np.array([[value]])))
+
+    def _describe(self, about: About) -> None:
+        lines = "\n".join(f"| {field} | {value} |" for field, value in about._asdict().items() if not isinstance(value, tuple))
+        channels = [*about.encoders, about.force, *about.converters]
+        table = "\n".join(
+            f"| {c.name} | {c.scale:g} {c.unit} | {c.offset:g} | {c.bits} | {c.low} .. {c.high} |" for c in channels
+        )
+        text = f"## {about.machine}\n\n| | |\n|-|-|\n{lines}\n\n| channel | per count | offset | bits | counts |\n|-|-|-|-|-|\n{table}\n"
+        self._emit(Rows("machine", "document", None, text))
+
+    def _follow_plant(self, epoch: int) -> None:
+        if self._plant_epoch is not None and epoch != self._plant_epoch:
+            self.flush(everything=True)
+            self._places.clear()  # another plant numbers its samples from its own start
+        self._plant_epoch = epoch
+
+    def _tell_permit(self, message: Received) -> None:
+        place = self._places.at(message.header.echo_number)
+        for event in permit_events(self._permit, message.body):
+            self.tell(event, place)
+        if message.header.arming != self._arming and message.header.arming:
+            self.tell(Event("supervisor", "INFO", f"arming number {message.header.arming}"), place)
+        self._permit, self._arming = message.body, message.header.arming
+
+    def _flush_topic(self, topic: str, everything: bool) -> None:
+        waiting = self._waiting.pop(topic, [])
+        newest = self._places.newest.number
+        ready: list[Placed] = []
+        for message in waiting:
+            number = sample_number(message.body, message.header.echo_number)
+            if everything or number <= newest:
+                ready.append(Placed(message, self._places.at(number), flat(message.body, message.header)))
+            else:
+                self._waiting.setdefault(topic, []).append(message)
+        start = 0
+        for end in range(1, len(ready) + 1):
+            if end == len(ready) or not _alike(ready[end], ready[start]):
+                self._write(topic, ready[start:end])
+                start = end
+
+    def _write(self, topic: str, run: list[Placed]) -> None:
+        """Write a run of rows that share timelines and columns."""
+        first = run[0].message
+        message, times = type(first.body), times_of([placed.place for placed in run])
+        names = column_names(first.body, first.header)
+        matrix: Matrix = np.array([placed.row for placed in run], np.float64)
+        entity = f"topic/{topic}"
+        if self._named.get(entity) != names:
+            self._named[entity] = names
+            self._emit(Rows(entity, "names", None, names))
+        self._emit(Rows(entity, "scalars", times, matrix))
+        self.rows[topic] = self.rows.get(topic, 0) + len(run)
+        self._write_lanes(message, names, matrix, times)
+        converters = self.about.converters if self.about else UNIMATE_CONVERTERS
+        for figure in figures(message, converters):
+            values = figure_values(figure, names, matrix)
+            if values is not None:
+                self._emit(Rows(figure.entity, "scalars", times, values))
+        self._write_rest(message, run, names, matrix, times)
+
+    def _write_lanes(self, message: type, names: tuple[str, ...], matrix: Matrix, times: Times) -> None:
+        in_trial = times.trial_ns is not None
+        for lane in lanes(message):
+            if lane.column not in names:
+                continue
+            column = matrix[:, names.index(lane.column)]
+            if lane.column == "clamped":
+                column = (column != 0).astype(np.float64)
+            at = changes(column, self._lane.get((lane.entity, in_trial)))
+            self._lane = {k: v for k, v in self._lane.items() if k[0] != lane.entity}  # told again where the trial begins
+            self._lane[lane.entity, in_trial] = float(column[-1])
+            if len(at):
+                self._emit(Rows(lane.entity, "state", only(times, at), [lane.text(column[i]) for i in at]))
+
+    def _write_rest(self, message: type, run: list[Placed], names: tuple[str, ...], matrix: Matrix, times: Times) -> None:
+        of: Any = scene.machine(self.about)
+        made: list[Rows] = []
+        if message is Sample:
+            made = scene.joint_rows(names, matrix, times, of)
+        elif message is ControllerState:
+            made = scene.tip_rows(names, matrix, times, of)
+        elif message is GateEvent:
+            told = [gate_event(placed.message.body) for placed in run]
+            made = [Rows("log/gate", "text", times, [(event.level, event.text) for event in told])]
+        elif message is Command:
+            made = [Rows(ANSWER_LATENCY, "scalars", times, _answer_ms(run))]
+        for rows in made:
+            self._emit(rows)
+
+
+def _alike(one: Placed, other: Placed) -> bool:
+    """Rows of one batch share their timelines and their columns."""
+    return len(one.row) == len(other.row) and (one.place.trial_time_ns is None) == (other.place.trial_time_ns is None)
+
+
+def _answer_ms(run: list[Placed]) -> Matrix:
+    """From a sample's arrival at the recorder to its command's, in ms; NaN if the sample never came."""
+    arrived = np.array([placed.message.arrival_ns for placed in run], np.float64)
+    sampled = np.array([placed.place.arrival_ns or np.nan for placed in run], np.float64)
+    answered: Matrix = ((arrived - sampled) * MS)[:, None]
+    return answered

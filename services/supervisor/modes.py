@@ -1,0 +1,69 @@
+"""The mode machine: DISARMED, ARMED, RUNNING, TRIPPED, RECOVER. Pure; a trip latches, and a reset moves nothing."""
+
+from enum import IntEnum
+from typing import NamedTuple
+
+from shared.kernel import kernel
+from shared.messages import Mode
+
+DISARMED, ARMED, RUNNING, TRIPPED, RECOVER = map(int, Mode)
+
+
+class Event(IntEnum):
+    """What an operator may ask."""
+
+    NOTHING = 0
+    ARM = 1
+    START = 2
+    STOP = 3
+    ESTOP = 4
+    RESET = 5
+    HOLD_RECOVER = 6  # hold to run: has its own lease
+    RELEASE = 7
+
+
+NOTHING, ARM, START, STOP, ESTOP, RESET, HOLD_RECOVER, RELEASE = map(int, Event)
+
+
+class Facts(NamedTuple):
+    """What a change of mode depends on besides the event."""
+
+    broken: int  # cause of the first rule that does not hold
+    estop: bool
+    may_arm: bool  # limits stand below the gate's, all services agree on experiment and run
+    can_recover: bool  # the cause of the trip has a direction that unloads
+    held: bool  # the lease of HOLD_RECOVER has not run out
+    finished: bool  # the trial's declared duration is over
+    armed_too_long: bool
+
+
+@kernel
+def next_mode(mode: int, event: int, facts: Facts) -> int:
+    """Mode after one step. What permits motion is left by absence; TRIPPED is left by reset alone."""
+    if facts.estop or event == ESTOP:
+        return TRIPPED
+    if mode == RUNNING:
+        return _from_running(event, facts)
+    if mode == ARMED:
+        return _from_armed(event, facts)
+    if mode == TRIPPED:
+        if event == RESET and facts.broken == 0:
+            return DISARMED
+        return RECOVER if event == HOLD_RECOVER and facts.can_recover else TRIPPED
+    if mode == RECOVER:
+        return RECOVER if facts.held and facts.can_recover and event != RELEASE else TRIPPED
+    return ARMED if event == ARM and facts.broken == 0 and facts.may_arm else DISARMED
+
+
+@kernel
+def _from_running(event: int, facts: Facts) -> int:
+    if facts.broken != 0:
+        return TRIPPED
+    return DISARMED if event == STOP or facts.finished else RUNNING
+
+
+@kernel
+def _from_armed(event: int, facts: Facts) -> int:
+    if facts.broken != 0 or event == STOP or facts.armed_too_long or not facts.may_arm:
+        return DISARMED
+    return RUNNING if event == START else ARMED

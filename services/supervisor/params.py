@@ -1,0 +1,37 @@
+"""The supervisor's parameters for one trial, from its section, the plant's description and the trial's length."""
+
+from services.supervisor.config import SupervisorConfig
+from services.supervisor.rules import Limits
+from services.supervisor.step import SupervisorParams
+from shared.converters import N_PER_FORCE_COUNT, calibration
+from shared.messages import About
+from shared.units import NS_PER_S
+
+GAUGE_RANGE_N = 700.0
+NOISE_N = 10.0  # "+-10 N of noise" (thesis 5.1.2)
+_LEAD_S, _ARMED_S, _RECOVER_S = 0.25, 60.0, 0.3
+
+
+def supervisor_params(config: SupervisorConfig, about: About, bias_ticks: int, duration_ticks: int) -> SupervisorParams:
+    """Everything the supervisor's step needs."""
+    lease_samples = about.permit_ttl_ns // about.sample_period_ns
+
+    def samples(seconds: float) -> int:
+        return int(seconds * NS_PER_S) // about.sample_period_ns
+
+    return SupervisorParams(
+        Limits(config, 0, int(GAUGE_RANGE_N / N_PER_FORCE_COUNT), lease_samples, about.permit_ttl_ns),
+        calibration(about.encoders, about.force),
+        about.force_axis,
+        about.force_sign,
+        duration_ticks,
+        bias_ticks,
+        samples(_LEAD_S),
+        samples(_ARMED_S),
+        samples(_RECOVER_S),
+    )
+
+
+def below_gate(config: SupervisorConfig, about: About) -> bool:
+    """Whether the supervisor's limit, bias and noise together stay below the gate's own limit."""
+    return config.force_limit_n + config.bias_limit_n + NOISE_N < about.gate_force_limit_n

@@ -1,0 +1,257 @@
+"""The only file that imports zenoh: a full mesh of peers on explicit loopback endpoints, no router, no daemon.
+
+A callback only stamps and appends to a bounded ring; whoever steps drains all of it, checks and counts every frame.
+Every session tries for ever, so the order of starting does not matter. Liveliness tokens show presence, no more.
+"""
+
+import errno
+import json
+import socket
+import threading
+import time
+from collections import deque
+from collections.abc import Callable
+from types import TracebackType
+from typing import Any, NamedTuple
+
+import zenoh
+
+from shared.acceptance import Acceptance
+from shared.codec import WIRE_VERSION, Header, Received, Rejected, decode, encode
+from shared.messages import NO_COMMAND, Answer, Ask
+from shared.topics import ANSWER, ASK, BY_KEY, Topic, expression
+
+LISTENERS = ("plant", "controller", "supervisor")  # offset from the cell's first port
+RING = 64  # frames kept for one step; a ring of one would let a foreign frame push out a valid one
+DEFAULT_PORT = 7450
+HOST = "127.0.0.1"
+
+
+class BusError(Exception):
+    """The transport cannot be had; the message says what to do."""
+
+
+class Identity(NamedTuple):
+    """What a service writes into every header."""
+
+    cell: str
+    sender: str
+    epoch: int
+
+
+class Run(NamedTuple):
+    """What a frame belongs to."""
+
+    run: int = 0
+    experiment: bytes = b""
+    arming: int = 0
+
+
+class Inbox:
+    """One topic's bounded ring, filled by the transport and drained by the step."""
+
+    def __init__(self, topic: Topic, cell: str, depth: int, wake: Callable[[], None]) -> None:
+        """An empty ring of `depth` frames."""
+        self.topic, self.cell = topic, cell
+        self.acceptance = Acceptance()
+        self._key = expression(cell, topic.key)
+        self._ring: deque[tuple[int, bytes]] = deque(maxlen=depth)
+        self._wake = wake
+
+    def put(self, sample: Any) -> None:
+        """Transport's callback: stamp and append."""
+        self._ring.append((time.monotonic_ns(), sample.payload.to_bytes()))
+        self._wake()
+
+    def drain(self) -> list[Received | Rejected]:
+        """Everything that has arrived, in order, decoded but not yet judged."""
+        frames = []
+        while self._ring:
+            arrival_ns, frame = self._ring.popleft()
+            frames.append(decode(self._key, self.topic, self.cell, frame, arrival_ns))
+        return frames
+
+    def take(self) -> list[Received]:
+        """Everything valid that has arrived, in order; the rest is counted in `acceptance`."""
+        return [taken for message in self.drain() if (taken := self.acceptance.take(message)) is not None]
+
+
+class Request(NamedTuple):
+    """A request that waits for its answer."""
+
+    verb: str
+    arguments: dict[str, Any]
+    answer: Callable[[bool, str, dict[str, Any]], None]
+
+    def reply(self, values: dict[str, Any]) -> None:
+        """Accept."""
+        self.answer(True, "", values)
+
+    def refuse(self, reason: str) -> None:
+        """Refuse, saying why and what to do."""
+        self.answer(False, reason, {})
+
+
+class Bus:
+    """A service's place on the network."""
+
+    def __init__(self, service: str, cell: str, port_base: int, epoch: int, *, blocking: bool = False) -> None:
+        """Nothing is opened before the `with`. `blocking` waits for room instead of dropping (lockstep)."""
+        self.identity = Identity(cell, service, epoch)
+        self.run = Run()
+        self.requests_seen: deque[Any] = deque(maxlen=RING)
+        self._port_base, self._blocking = port_base, blocking
+        self._lock = threading.Lock()
+        self._lock.acquire()
+        self._seq: dict[str, int] = {}
+        self._publishers: dict[str, Any] = {}
+
+    def __enter__(self) -> "Bus":
+        """Open the session; raises BusError if this service's port is taken."""
+        self._refuse_taken_port()
+        try:
+            self._session = zenoh.open(_config(self.identity.sender, self._port_base))
+        except zenoh.ZError as error:
+            raise BusError(f"the transport does not open: {error}") from error
+        self._queryable = self._session.declare_queryable(
+            expression(self.identity.cell, f"{ASK.key}/{self.identity.sender}"),
+            zenoh.handlers.Callback(self._asked, indirect=False),
+        )
+        self._token = self._session.liveliness().declare_token(expression(self.identity.cell, f"alive/{self.identity.sender}"))
+        return self
+
+    def __exit__(self, kind: type[BaseException] | None, error: BaseException | None, trace: TracebackType | None) -> None:
+        """Close the session; what was sent is flushed."""
+        self._session.close()
+
+    def _refuse_taken_port(self) -> None:
+        service = self.identity.sender
+        if service not in LISTENERS:
+            return
+        port = self._port_base + LISTENERS.index(service)
+        with socket.socket() as probe:
+            probe.setsockopt(socket.SOL_SOCKET, socket.SO_REUSEADDR, 1)
+            try:
+                probe.bind((HOST, port))
+            except OSError as error:
+                if error.errno != errno.EADDRINUSE:
+                    raise BusError(f"port {port} on {HOST}: {error.strerror}") from error
+                raise BusError(
+                    f"port {port} on {HOST} is in use: a {service} runs there already; "
+                    f"stop it (`hydrohil down`) or give this cell other ports (`--port N`)"
+                ) from error
+
+    def wake(self) -> None:
+        """Let `wait` return. Safe from any thread."""
+        try:
+            self._lock.release()
+        except RuntimeError:  # already awake
+            return
+
+    def wait(self, timeout_s: float) -> bool:
+        """Sleep until something arrives; False after `timeout_s`."""
+        return self._lock.acquire(timeout=max(0.0, timeout_s))
+
+    def subscribe(self, key: str, depth: int = RING) -> Inbox:
+        """A ring fed by one topic."""
+        inbox = Inbox(BY_KEY[key], self.identity.cell, depth, self.wake)
+        handler = zenoh.handlers.Callback(inbox.put, indirect=False)
+        self._session.declare_subscriber(expression(self.identity.cell, key), handler)
+        return inbox
+
+    def publish(self, key: str, body: tuple[Any, ...], echo: tuple[int, int] = (NO_COMMAND, 0)) -> None:
+        """Send one message; `echo` is number and time of the sample it answers or judges."""
+        topic = BY_KEY[key]
+        name = expression(self.identity.cell, key)
+        if key not in self._publishers:
+            self._publishers[key] = self._session.declare_publisher(
+                name,
+                priority=zenoh.Priority.REAL_TIME if topic.loop else zenoh.Priority.DATA,
+                congestion_control=zenoh.CongestionControl.BLOCK if self._blocking else zenoh.CongestionControl.DROP,
+            )
+        self._publishers[key].put(encode(name, self._header(topic, echo), body))
+
+    def _header(self, topic: Topic, echo: tuple[int, int] = (NO_COMMAND, 0)) -> Header:
+        seq = self._seq[topic.key] = self._seq.get(topic.key, -1) + 1
+        cell, sender, epoch = self.identity
+        run, experiment, arming = self.run
+        return Header(WIRE_VERSION, topic.schema, cell, run, experiment, sender, epoch, arming, seq, echo[0], echo[1])
+
+    def requests(self) -> list[Request]:
+        """Requests that have arrived; each wants one answer."""
+        made = []
+        while self.requests_seen:
+            query = self.requests_seen.popleft()
+            key = str(query.key_expr)
+            payload = query.payload.to_bytes() if query.payload is not None else b""
+            asked = decode(key, ASK, self.identity.cell, payload, time.monotonic_ns())
+            answer = self._answer(query, key)
+            if isinstance(asked, Rejected):
+                answer(False, f"malformed request: {asked.cause}: {asked.detail}", {})
+                continue
+            try:
+                arguments = json.loads(asked.body.arguments)
+            except (ValueError, RecursionError):
+                arguments = None
+            if not isinstance(arguments, dict):
+                answer(False, "malformed request: the arguments are no JSON object", {})
+                continue
+            made.append(Request(asked.body.verb, arguments, answer))
+        return made
+
+    def _asked(self, query: Any) -> None:
+        self.requests_seen.append(query)
+        self.wake()
+
+    def _answer(self, query: Any, key: str) -> Callable[[bool, str, dict[str, Any]], None]:
+        def answer(accepted: bool, reason: str, values: dict[str, Any]) -> None:
+            body = Answer(int(accepted), reason, json.dumps(values).encode())
+            with query:
+                query.reply(key, encode(key, self._header(ANSWER), body))
+
+        return answer
+
+    def ask(self, service: str, verb: str, arguments: dict[str, Any], timeout_s: float = 2.0) -> Answer | None:
+        """The answer of `service`, or None if nobody gives one in time."""
+        key = expression(self.identity.cell, f"{ASK.key}/{service}")
+        frame = encode(key, self._header(ASK), Ask(verb, json.dumps(arguments).encode()))
+        for reply in self._session.get(key, payload=frame, timeout=timeout_s):
+            if reply.ok is None:
+                return None
+            answer = decode(key, ANSWER, self.identity.cell, reply.ok.payload.to_bytes(), time.monotonic_ns())
+            return answer.body if isinstance(answer, Received) else None
+        return None
+
+    def alive(self, timeout_s: float = 1.0) -> set[str]:
+        """Names of the services whose presence is announced."""
+        tokens = self._session.liveliness().get(expression(self.identity.cell, "alive/*"), timeout=timeout_s)
+        return {str(reply.ok.key_expr).rsplit("/", 1)[1] for reply in tokens if reply.ok is not None}
+
+
+def _config(service: str, port_base: int) -> Any:
+    """Listen on one's own port, connect to every listener started before; recorder and operator only connect."""
+    rank = LISTENERS.index(service) if service in LISTENERS else len(LISTENERS)
+    listen = [f"tcp/{HOST}:{port_base + rank}"] if service in LISTENERS else []
+    connect = [f"tcp/{HOST}:{port_base + i}" for i in range(rank)]
+    priorities = ("control", "real_time", "interactive_high", "interactive_low", "data_high", "data", "data_low", "background")
+    return zenoh.Config.from_json5(
+        json.dumps(
+            {
+                "mode": "peer",
+                "listen": {"endpoints": listen},
+                "connect": {
+                    "endpoints": connect,
+                    "timeout_ms": -1,
+                    "exit_on_failure": False,
+                    "retry": {"period_init_ms": 50, "period_max_ms": 200, "period_increase_factor": 1.5},
+                },
+                "scouting": {"delay": 0, "multicast": {"enabled": False}, "gossip": {"enabled": False}},
+                "timestamping": {"enabled": False},
+                "queries_default_timeout": 1000,
+                "transport": {
+                    "shared_memory": {"enabled": False},
+                    "link": {"tx": {"lease": 500, "keep_alive": 4, "queue": {"size": dict.fromkeys(priorities, 16)}}},
+                },
+            }
+        )
+    )

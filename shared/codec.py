@@ -1,0 +1,155 @@
+"""Frames on the wire: MessagePack array and CRC-32, checked type by type. Rejections are values, never exceptions.
+
+frame = msgpack([wire version, schema id, cell, run id, experiment hash, sender, epoch, arming, seq,
+                 echo number, echo time in ns, body]) + CRC-32 (little endian) over key expression, NUL and these bytes.
+
+Each field answers a failure mode that functional safety lists for black channels: seq repetition, deletion and
+resequencing; epoch, run and arming insertion; echo delay; cell and sender masquerade; CRC corruption.
+"""
+
+import zlib
+from collections.abc import Callable
+from functools import cache
+from typing import Annotated, Any, NamedTuple, get_args, get_origin, get_type_hints
+
+import msgpack
+from annotated_types import Len
+
+from shared.topics import BY_SCHEMA, Topic
+
+WIRE_VERSION = 1
+MAX_FRAME_BYTES = 4096
+MAX_REQUEST_BYTES = 1 << 20
+MAX_NAME = 64  # characters of a cell's or sender's name
+_CRC_BYTES = 4
+_INT64 = 1 << 63
+
+
+class Header(NamedTuple):
+    """Who says it, in which run, answering what."""
+
+    version: int
+    schema: int
+    cell: str
+    run: int
+    experiment: bytes  # SHA-256 over the experiment as sent; empty before a load
+    sender: str
+    epoch: int  # drawn when the sender started or was reset
+    arming: int  # 0 = none
+    seq: int
+    echo_number: int  # sample that this answers or judges
+    echo_time_ns: int
+
+
+class Received(NamedTuple):
+    """A valid frame."""
+
+    arrival_ns: int  # receiver's monotonic clock
+    topic: str
+    header: Header
+    body: Any
+
+
+class Rejected(NamedTuple):
+    """A frame that is not ours, and why."""
+
+    arrival_ns: int
+    topic: str
+    cause: str  # oversized, crc, malformed, version, schema, cell, sender
+    detail: str
+
+
+_HEADER_TYPES = tuple(Header.__annotations__.values())
+_FRAME_LENGTH = len(Header._fields) + 1
+
+
+def crc(key: str, packed: bytes) -> bytes:
+    """CRC-32 over key expression and bytes, so that a frame replayed on another key is corrupt."""
+    return zlib.crc32(packed, zlib.crc32(key.encode() + b"\0")).to_bytes(_CRC_BYTES, "little")
+
+
+def encode(key: str, header: Header, body: tuple[Any, ...]) -> bytes:
+    """The frame for `body`; numpy scalars raise TypeError, they have no place on the wire."""
+    packed: bytes = msgpack.packb((*header, body))
+    return packed + crc(key, packed)
+
+
+def decode(key: str, topic: Topic, cell: str, frame: bytes, arrival_ns: int) -> Received | Rejected:
+    """The message in `frame`, or why it is not ours."""
+
+    def reject(cause: str, detail: str) -> Rejected:
+        return Rejected(arrival_ns, topic.key, cause, detail)
+
+    limit = MAX_FRAME_BYTES if topic.schema < _first_request_schema() else MAX_REQUEST_BYTES
+    if not _CRC_BYTES < len(frame) <= limit:
+        return reject("oversized" if frame else "malformed", f"{len(frame)} bytes, expected {_CRC_BYTES + 1} to {limit}")
+    packed = frame[:-_CRC_BYTES]
+    if crc(key, packed) != frame[-_CRC_BYTES:]:
+        return reject("crc", "checksum differs")
+    try:
+        fields = msgpack.unpackb(packed, use_list=False, max_ext_len=0, max_map_len=0)
+    except (ValueError, TypeError, OverflowError, RecursionError) as error:
+        return reject("malformed", type(error).__name__)
+    if type(fields) is not tuple or not fields or fields[0] != WIRE_VERSION or type(fields[0]) is not int:
+        found = fields[0] if type(fields) is tuple and fields else type(fields).__name__
+        return reject("version", f"wire version {str(found)[:MAX_NAME]}, this is {WIRE_VERSION}")
+    if len(fields) != _FRAME_LENGTH or not all(_is(t, v) for t, v in zip(_HEADER_TYPES, fields, strict=False)):
+        return reject("malformed", "header")
+    header = Header(*fields[:-1])
+    if header.schema != topic.schema:
+        return reject("schema", f"schema {header.schema}, {topic.key} is {topic.schema}")
+    if header.cell != cell:
+        return reject("cell", f"cell {header.cell[:MAX_NAME]}, this is {cell}")
+    if topic.publisher and header.sender != topic.publisher:
+        return reject("sender", f"sender {header.sender[:MAX_NAME]}, expected {topic.publisher}")
+    body = _shape(topic.message)(fields[-1])
+    if body is None:
+        return reject("malformed", f"body of {topic.key}")
+    return Received(arrival_ns, topic.key, header, body)
+
+
+@cache
+def _first_request_schema() -> int:
+    return min(schema for schema, topic in BY_SCHEMA.items() if topic.key.startswith("operator/"))
+
+
+def _is(expected: Any, value: Any) -> bool:
+    """Type-strict: a bool is no int, an int is no float, an int fits 64 bits."""
+    if expected is int:
+        return type(value) is int and -_INT64 <= value < _INT64
+    return type(value) is expected
+
+
+@cache
+def _shape(message: Any) -> Callable[[Any], Any]:
+    """Checker and builder for one message class: the message, or None if anything differs."""
+    hints = get_type_hints(message, include_extras=True)
+    checks = tuple(_field(hint) for hint in hints.values())
+
+    def build(values: Any) -> Any:
+        if type(values) is not tuple or len(values) != len(checks):
+            return None
+        made = tuple(check(value) for check, value in zip(checks, values, strict=True))
+        return None if any(value is None for value in made) else message(*made)
+
+    return build
+
+
+def _field(hint: Any) -> Callable[[Any], Any]:
+    """Checker for one field: its value, or None."""
+    if get_origin(hint) is Annotated:
+        kind, *bounds = get_args(hint)
+        length = next((bound.min_length for bound in bounds if isinstance(bound, Len)), 0)
+        inner = _field(kind)
+        return lambda value: inner(value) if type(value) is tuple and len(value) == length else None
+    if get_origin(hint) is tuple:
+        item = _field(get_args(hint)[0])
+
+        def items(value: Any) -> Any:
+            made = tuple(item(v) for v in value) if type(value) is tuple else (None,)
+            return None if any(v is None for v in made) else made
+
+        return items
+    if hasattr(hint, "_fields"):
+        return _shape(hint)
+    return lambda value: value if _is(hint, value) else None

@@ -1,0 +1,60 @@
+"""The mark for functions that run plain in a service and compiled in the plant's sub-steps and in a rollout.
+
+Marking costs nothing and imports nothing: a service that computes once per sample stays plain Python and starts
+fast. `compiled` turns a marked function, and every marked function it calls, into machine code.
+
+Plain and compiled agree bit for bit as long as kernels write x * x rather than x ** 2, avoid math.hypot, start
+floats as floats and check their domain before sqrt, exp, log and int.
+"""
+
+import hashlib
+import os
+import platform
+from collections.abc import Callable
+from pathlib import Path
+from typing import Any, TypeVar
+
+Function = TypeVar("Function", bound=Callable[..., Any])
+
+_marked: list[Callable[..., Any]] = []
+_registered = 0
+_SOURCE_ROOT = Path(__file__).resolve().parent.parent
+_SOURCE_FOLDERS = ("shared", "services", "rollout", "experiments")
+
+
+def kernel(function: Function) -> Function:
+    """Mark a pure function as compilable; it is returned as it is."""
+    _marked.append(function)
+    return function
+
+
+def source_version() -> str:
+    """SHA-256 (16 hex digits) over every source file: names the code that produced a result."""
+    digest = hashlib.sha256()
+    for folder in _SOURCE_FOLDERS:
+        for path in sorted((_SOURCE_ROOT / folder).rglob("*.py")):
+            digest.update(str(path.relative_to(_SOURCE_ROOT)).encode())
+            digest.update(path.read_bytes())
+    return digest.hexdigest()[:16]
+
+
+def _point_cache_at_sources() -> None:
+    """Key numba's cache folder by every source: its own key misses a callee that changed in another file."""
+    machine = hashlib.sha256(f"{platform.machine()}{platform.processor()}{platform.python_version()}".encode())
+    base = Path(os.environ.get("HYDROHIL_CACHE", Path.home() / ".cache" / "hydrohil"))
+    os.environ["NUMBA_CACHE_DIR"] = str(base / "kernels" / f"{source_version()}-{machine.hexdigest()[:8]}")
+
+
+def compiled(function: Function) -> Function:
+    """`function` as machine code. Call it after every module whose kernels it uses has been imported."""
+    global _registered
+    if not _registered:
+        _point_cache_at_sources()
+    import numba  # here, so that a service that compiles nothing starts without it
+    from numba.extending import register_jitable
+
+    for marked in _marked[_registered:]:
+        register_jitable(marked)
+    _registered = len(_marked)
+    made: Function = numba.njit(cache=True, error_model="python")(function)
+    return made

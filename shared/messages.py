@@ -1,0 +1,215 @@
+"""What travels between the services. One NamedTuple a topic; its fields, in order, are the body on the wire.
+
+Counts are what converters read and write: encoder counters, signed A/D counts, D/A codes. Everything else is SI.
+Angles in rad, link 3 in m; link order is (rotate, down/up with + down, out/in with + out).
+A `tick` counts the samples of a trial: the force bias is taken at negative ticks, the reference starts at tick 0.
+"""
+
+from enum import IntEnum
+from typing import Annotated, NamedTuple
+
+from annotated_types import Len
+
+NO_TRIAL = -(2**31)  # tick of a sample that belongs to no trial
+NO_COMMAND = -1  # sample number that no command answers
+
+Counts = tuple[int, ...]
+Floats = tuple[float, ...]
+Links = Annotated[Floats, Len(3, 3)]  # one value a link, or a point (x, y, z)
+LinkCounts = Annotated[Counts, Len(3, 3)]
+EncoderCounts = Annotated[Counts, Len(5, 5)]
+
+
+class GateState(IntEnum):
+    """What the gate in front of the D/A is doing."""
+
+    SHUT = 0
+    OPEN = 1
+    BURNED = 2  # shut by a cut: never opens again on this arming
+    RECOVERING = 3  # only the unloading sign, at low current
+
+
+class GateCause(IntEnum):
+    """Why the gate is not open; the first that holds, in this order."""
+
+    NONE = 0
+    NO_PERMIT = 1
+    NOT_RUNNING = 2
+    BURNED_ARMING = 3
+    PERMIT_STALE = 4
+    NO_COMMAND = 5
+    COMMAND_STALE = 6
+    OTHER_ARMING = 7
+    EPOCH_CHANGED = 8
+    IMPOSSIBLE_ECHO = 9
+    OUT_OF_RANGE = 10
+    BEYOND_SLEW = 11
+    FORCE_INVALID = 12
+    FORCE_ABOVE_LIMIT = 13
+    NOT_UNLOADING = 14
+    ESTOP = 15
+    OVERSLEPT = 16
+
+
+class Mode(IntEnum):
+    """Mode of the supervisor, as every permit states it."""
+
+    DISARMED = 0
+    ARMED = 1  # an arming number exists; valves shut until the trial's tick 0
+    RUNNING = 2
+    TRIPPED = 3
+    RECOVER = 4
+
+
+class TripCause(IntEnum):
+    """Why the supervisor tripped; most severe first."""
+
+    NONE = 0
+    ESTOP = 1
+    FORCE_INVALID = 2
+    FORCE_RAW = 3
+    FORCE_TARED = 4
+    BIAS = 5
+    JOINT_LIMIT = 6
+    WORKSPACE = 7
+    SAMPLE_LOST = 8
+    SAMPLE_STALE = 9
+    CONTROLLER_LOST = 10
+    COMMAND_STALE = 11
+    GATE_CUT = 12
+    NOT_READY = 13
+
+
+class Channel(NamedTuple):
+    """One converter channel: value = scale * count + offset, count in [low, high]."""
+
+    name: str
+    unit: str
+    scale: float
+    offset: float
+    bits: int
+    low: int
+    high: int
+
+
+class About(NamedTuple):
+    """What a controller must know of the machine it drives."""
+
+    machine: str
+    encoders: tuple[Channel, ...]
+    force: Channel
+    converters: tuple[Channel, ...]  # D/A, as current in A
+    sample_period_ns: int
+    latch_ns: int
+    permit_ttl_ns: int
+    command_ttl_ns: int
+    gate_force_limit_n: float
+    force_axis: int  # 0 = x, 2 = z: the direction in which the gauge is mounted
+    force_sign: float  # direction of the environment's push on the tool along that axis
+
+
+class Sample(NamedTuple):
+    """What the DAQ reads at one instant, and what its gate made of the last command."""
+
+    number: int
+    time_ns: int  # simulated time since the plant's start
+    tick: int
+    trial_time_ns: int  # simulated time since tick 0
+    encoder_counts: EncoderCounts  # rotate, down/up, out/in, roll, pitch
+    force_counts: int
+    dac_counts: LinkCounts  # in force at this instant
+    gate: int
+    gate_cause: int
+    gate_open_samples: int  # samples since the gate opened
+    recover_signs: LinkCounts  # what RECOVERING allows
+    command_number: int  # sample that the command in force answers
+    command_late_substeps: int  # 0 = it took effect at the latch
+    command_age_ns: int  # age of that sample when the gate accepted the command (wall clock in `real`)
+
+
+class Truth(NamedTuple):
+    """What only an emulator knows. No controller reads it."""
+
+    number: int
+    tick: int
+    q_rad: Links
+    qd_rad_per_s: Links
+    pressure_a_pa: Links
+    pressure_b_pa: Links
+    spool_a: Links  # spool position as current
+    sticking: LinkCounts  # 1 = static friction holds the link
+    tip_m: Links
+    contact_force_n: float
+    environment_m: float  # displacement of plate or crate
+
+
+class GateEvent(NamedTuple):
+    """A decision of the gate that was not "accepted"."""
+
+    number: int
+    tick: int
+    state: int
+    cause: int
+    measured: float
+    limit: float
+
+
+class Command(NamedTuple):
+    """Codes for the D/A, answering the sample that the frame's echo names."""
+
+    dac_counts: LinkCounts  # 820..3276, 2048 = zero current
+
+
+class ControllerState(NamedTuple):
+    """What the law thought at one sample. Force is tared and, unless it says mean, not averaged."""
+
+    number: int
+    tick: int
+    q_rad: Links
+    q_set_rad: Links
+    qd_rad_per_s: Links
+    qd_set_rad_per_s: Links
+    x_m: Links
+    x_set_m: Links
+    x_nominal_m: Links
+    force_n: float
+    force_mean_n: float
+    force_set_n: float
+    force_bias_n: float
+    current_a: Links  # demanded of the valves, before the converter
+    integral_a: Links  # integral term of each law
+    boosted: LinkCounts  # 1 = integral augmented at this sample
+    clamped: int  # bit mask of what the envelope clamped; 0 = nothing
+    ready: int  # 1 = buffers full and the reference starts at the pose
+    compute_ns: int
+
+
+class Permit(NamedTuple):
+    """The right to move, and why not."""
+
+    mode: int
+    cause: int
+    measured: float  # the number that tripped
+    limit: float  # against this limit
+    trip_number: int  # sample of the trip
+    first_sample: int  # sample number at which the announced trial starts; NO_COMMAND = none
+    duration_ticks: int  # of the announced trial
+    bias_ticks: int
+    recover_signs: LinkCounts  # signs that unload
+    force_limit_n: float
+    force_bias_n: float
+
+
+class Ask(NamedTuple):
+    """A request to one service."""
+
+    verb: str
+    arguments: bytes  # JSON object
+
+
+class Answer(NamedTuple):
+    """What the service made of it; nothing is confirmed by silence."""
+
+    accepted: int
+    reason: str  # why not, and what to do
+    values: bytes  # JSON object

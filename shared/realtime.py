@@ -1,0 +1,63 @@
+"""What this host grants a control loop: real-time scheduling, locked memory, short idle latency."""
+
+import ctypes
+import gc
+import os
+import signal
+import struct
+import sys
+from typing import NamedTuple
+
+FIFO_PRIORITY = 50
+_SWITCH_INTERVAL_S = 50e-6  # Python's 5 ms lets a busy thread hold a callback back for seconds
+_MCL_CURRENT, _MCL_FUTURE = 1, 2
+_PR_SET_PDEATHSIG, _PR_SET_TIMERSLACK = 1, 29
+_held: list[int] = []  # the idle-latency request lasts while its file is open
+
+
+class Granted(NamedTuple):
+    """What was granted, for reports."""
+
+    fifo: bool
+    memory_locked: bool
+    idle_latency: bool
+
+
+def claim(*, realtime: bool) -> Granted:
+    """Claim what the host permits; call it before the transport starts its threads, which inherit it."""
+    sys.setswitchinterval(_SWITCH_INTERVAL_S)
+    libc = ctypes.CDLL(None, use_errno=True)
+    libc.prctl(_PR_SET_TIMERSLACK, 1, 0, 0, 0)
+    if not realtime:
+        return Granted(False, False, False)
+    return Granted(_fifo(), libc.mlockall(_MCL_CURRENT | _MCL_FUTURE) == 0, _idle_latency())
+
+
+def _fifo() -> bool:
+    try:
+        os.sched_setscheduler(0, os.SCHED_FIFO, os.sched_param(FIFO_PRIORITY))
+    except (OSError, AttributeError):
+        return False
+    return True
+
+
+def _idle_latency() -> bool:
+    try:
+        handle = os.open("/dev/cpu_dma_latency", os.O_WRONLY)
+        os.write(handle, struct.pack("i", 0))
+    except OSError:
+        return False
+    _held.append(handle)
+    return True
+
+
+def quiet_garbage_collection() -> None:
+    """No collection inside the loop: what lives now is frozen, `gc.collect` runs between trials."""
+    gc.collect()
+    gc.freeze()
+    gc.disable()
+
+
+def die_with_parent() -> None:
+    """Ask the kernel for a SIGTERM when the starting process dies, however it dies."""
+    ctypes.CDLL(None).prctl(_PR_SET_PDEATHSIG, signal.SIGTERM, 0, 0, 0)
