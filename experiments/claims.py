@@ -10,7 +10,7 @@ from experiments.signals import LINKS, ChannelName
 from experiments.trace import Trace, window
 from shared.units import A_PER_MA, RAD_PER_DEG
 
-LATE_S = 0.02  # the last sample of a trial lies up to two of the longest periods before its end
+LATE_S = 0.1  # jitter adds up: the last sample lies this far before the trial's nominal end at most
 Comparison = Literal["below", "above", "within"]
 Unit = Literal["rad", "deg", "m", "mm", "cm", "N", "A", "mA", "s", "1/s", "1", "%", "counts"]
 

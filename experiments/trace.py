@@ -50,7 +50,8 @@ def load(path: Path) -> Trace:
 
 def rows(trace: Trace, chosen: npt.NDArray[np.bool_]) -> Trace:
     """The rows of `trace` where `chosen` (n,) is true."""
-    return Trace(*(column[chosen] for column in trace))
+    columns: dict[str, Any] = {name: column[chosen] for name, column in trace._asdict().items()}
+    return Trace(**columns)
 
 
 def window(trace: Trace, start_s: float, end_s: float) -> Trace:

@@ -78,9 +78,7 @@ def columns(count: int) -> Columns:
     wide = ("q_rad", "q_set_rad", "qd_rad_per_s", "qd_set_rad_per_s", "x_m", "x_set_m", "x_nominal_m", "current_a")
     wide += ("pressure_a_pa", "pressure_b_pa", "true_q_rad")
     whole = ("tick", "time_ns", "mode", "encoder_counts", "force_counts", "dac_counts", "clamped", "boosted")
-    made = [
-        (integers if name in whole else reals)(*widths.get(name, (3,) if name in wide else ())) for name in Columns._fields
-    ]
+    made = [(integers if name in whole else reals)(*widths.get(name, (3,) if name in wide else ())) for name in Columns._fields]
     return Columns(*made)
 
 
@@ -108,7 +106,9 @@ def sample_of(
 
 
 @kernel
-def gate_input(setup: Setup, permit: Permit, arming: int, sample: Sample, codes: tuple[int, int, int], force_n: float) -> GateInput:
+def gate_input(
+    setup: Setup, permit: Permit, arming: int, sample: Sample, codes: tuple[int, int, int], force_n: float
+) -> GateInput:
     """What the gate judges at the latch when nothing is late."""
     age_ns = setup.latch_substeps * SUBSTEP_NS
     return GateInput(
@@ -169,7 +169,7 @@ def play(
         sample = sample_of(setup, gate, counts, i, time_ns, trial_time_ns)
         seen = truth(state, setup.machine, setup.contact, i, sample.tick)
         memory, codes, thought = control_step(memory, setup.control, table, sample)
-        watch, permit, _ = supervisor_step(watch, setup.supervise, sample, Asked(NOTHING, 0, True, ready, False, 0))
+        watch, permit = supervisor_step(watch, setup.supervise, sample, Asked(NOTHING, 0, True, ready, False, 0))
         ready = thought.ready == 1
         write_row(out, i, sample, codes, thought, permit, seen)
         state = advance(state, setup.machine, setup.contact, gate.codes, setup.latch_substeps)

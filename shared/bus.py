@@ -63,6 +63,14 @@ class Inbox:
         self._ring.append((time.monotonic_ns(), sample.payload.to_bytes()))
         self._wake()
 
+    def peek(self) -> Received | Rejected | None:
+        """The newest frame, left where it is; for progress, never for control."""
+        try:
+            arrival_ns, frame = self._ring[-1]
+        except IndexError:
+            return None
+        return decode(self._key, self.topic, self.cell, frame, arrival_ns)
+
     def drain(self) -> list[Received | Rejected]:
         """Everything that has arrived, in order, decoded but not yet judged."""
         frames = []

@@ -71,7 +71,8 @@ def _sample(i: int, tick: int, trip_tick: int) -> Iterator[Received]:
     z_nominal = -0.37 - 0.05 * min(s, 3.0)
     z_set = z_nominal + force / 5000.0
     z = z_set + 0.0012 * math.sin(3.0 * t) * running
-    q = (0.05 * math.sin(0.5 * s) * running, 0.03 + 0.045 * min(s, 3.0), 0.30 + 0.02 * s * running)
+    out = 0.30 + 0.02 * s * running
+    q = (0.05 * math.sin(0.5 * s) * running, math.asin((-0.37 - z) / (out + 0.788)), out)
     qd = (0.025 * math.cos(0.5 * s) * running, 0.045 * (0.0 < s < 3.0), 0.02 * running)
     current = (
         0.05 * math.sin(0.5 * s) * running,
@@ -104,10 +105,24 @@ def _sample(i: int, tick: int, trip_tick: int) -> Iterator[Received]:
     tip = ((q[2] + 0.788) * math.cos(q[0]), (q[2] + 0.788) * math.sin(q[0]), z)
     stuck = tuple(int(abs(c) < 0.09 and running) for c in current)
     pressure_a, pressure_b = tuple(3.5e6 + 8e6 * c for c in current), tuple(3.5e6 - 8e6 * c for c in current)
-    yield received("plant/truth", Truth(number, tick, q, qd, pressure_a, pressure_b, current, stuck, tip, force, 0.0), i, arrival_ns=arrival)
+    yield received(
+        "plant/truth", Truth(number, tick, q, qd, pressure_a, pressure_b, current, stuck, tip, force, 0.0), i, arrival_ns=arrival
+    )
     mode = Mode.TRIPPED if tripped else Mode.RUNNING if running else Mode.ARMED if tick != NO_TRIAL else Mode.DISARMED
     trip = (TripCause.FORCE_TARED, 341.2, 334.0, number) if tripped else (TripCause.NONE, 0.0, 0.0, -1)
-    permit = Permit(mode, trip[0], trip[1], trip[2], trip[3], FIRST_NUMBER + 30, 3000, BIAS_TICKS, (0, 0, 0), 334.0, 4.2)
+    permit = Permit(
+        mode,
+        trip[0],
+        trip[1],
+        trip[2],
+        trip[3],
+        FIRST_NUMBER + 30 if tick != NO_TRIAL else -1,
+        3000,
+        BIAS_TICKS,
+        (0, 0, 0),
+        334.0,
+        4.2,
+    )
     yield received("supervisor/permit", permit, i, number, arrival + 700_000, epoch=5)
     yield received("controller/command", Command(dac), i, number, arrival + age - 400_000, epoch=6)
     q_set = (q[0] + 0.0004 * math.sin(5 * t), q[1] + 0.001 * math.sin(3 * t), q[2] + 0.002 * math.sin(2 * t))

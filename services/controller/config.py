@@ -76,6 +76,9 @@ class ImpedanceConfig(NamedTuple):
     setpoint_compensation: bool = False  # force set-point times (k + k_eff) / k_eff
 
 
+RecoverCurrent = Annotated[float, Ge(0), Le(200 * A_PER_MA)]  # the valves' currents while a hold-to-run request unloads
+
+
 class ControllerConfig(NamedTuple):
     """The [controller] section of an experiment."""
 
@@ -86,7 +89,11 @@ class ControllerConfig(NamedTuple):
     slew_codes: Annotated[int, Ge(1), Le(FULL_SLEW_CODES)] = FULL_SLEW_CODES  # per sample
     tight_slew_codes: Annotated[int, Ge(1), Le(FULL_SLEW_CODES)] = TIGHT_SLEW_CODES  # just after the gate opens
     tight_samples: Annotated[int, Ge(0), Le(1000)] = TIGHT_SAMPLES
-    recover_current_a: Annotated[float, Ge(0), Le(180 * A_PER_MA)] = 120 * A_PER_MA  # just above link 2's break-away, 114 mA
+    recover_current_a: tuple[RecoverCurrent, RecoverCurrent, RecoverCurrent] = (
+        100 * A_PER_MA,  # each link just above its worst break-away current of Table 2
+        125 * A_PER_MA,
+        185 * A_PER_MA,
+    )
 
 
 def impedance_params(config: ImpedanceConfig, force_axis: int, force_sign: float) -> ImpedanceParams:
@@ -104,6 +111,7 @@ def as_floats(gains: LinkGains) -> LinkGains:
 
 def controller_params(config: ControllerConfig, about: About, first_tick: int) -> ControllerParams:
     """Kernel parameters for the machine that `about` describes; the trial begins at the negative `first_tick`."""
+    recover = config.recover_current_a
     return ControllerParams(
         law=LAWS[config.law],
         target=TARGETS[config.target],
@@ -116,7 +124,7 @@ def controller_params(config: ControllerConfig, about: About, first_tick: int) -
         slew_codes=config.slew_codes,
         tight_slew_codes=config.tight_slew_codes,
         tight_samples=config.tight_samples,
-        recover_current_a=float(config.recover_current_a),
+        recover_current_a=(float(recover[0]), float(recover[1]), float(recover[2])),
     )
 
 

@@ -7,7 +7,7 @@ from typing import Annotated, NamedTuple
 
 from annotated_types import Ge, Gt
 
-from services.controller.kinematics import Geometry
+from services.controller.kinematics import Geometry, Triple
 from shared.converters import COUNTS_PER_A, MAX_CODE, MIN_CODE, Calibration
 from shared.units import A_PER_MA, A_PER_RAD_PER_MA_PER_DEG, RAD_PER_DEG
 
@@ -18,7 +18,7 @@ LAW_PI, LAW_MORSE, LAW_DEADBAND, LAW_HYSTERESIS, LAW_VETIA, LAW_FINAL = 0, 1, 2,
 TARGET_JOINT, TARGET_CARTESIAN, TARGET_IMPEDANCE = 0, 1, 2
 
 FULL_SLEW_CODES = MAX_CODE - MIN_CODE  # the thesis limits nothing: full swing in one sample
-TIGHT_SLEW_CODES = 100  # 49 mA of u: two samples inside the valve's overlap, no full swing at opening
+TIGHT_SLEW_CODES = 100  # 29 mA, inside the valve's overlap of 36 mA
 TIGHT_SAMPLES = 20  # until the regression has seen only the running law
 
 
@@ -104,4 +104,4 @@ class ControllerParams(NamedTuple):
     slew_codes: int  # per sample, against the code last accepted
     tight_slew_codes: int
     tight_samples: int  # since the gate opened
-    recover_current_a: float
+    recover_current_a: Triple

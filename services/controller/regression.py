@@ -53,7 +53,7 @@ def filled_window(time_ns: int, q: Triple, period_ns: int) -> Window:
 @kernel
 def push(window: Window, time_ns: int, q: Triple, q_set: Triple) -> Window:
     """The window with its oldest point replaced by a new one."""
-    return window[1:] + (Point(time_ns, q, q_set),)  # noqa: RUF005 (numba has no starred tuple)
+    return window[1:] + (Point(time_ns, q, q_set),)  # numba has no starred tuple
 
 
 @kernel

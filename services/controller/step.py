@@ -135,7 +135,7 @@ def unload(params: ControllerParams, sample: Sample) -> Actuation:
     if sample.gate != GATE_RECOVERING:
         return Actuation(LAWS_AT_REST, (0.0, 0.0, 0.0), (0, 0, 0), STOPPED)
     u, signs = params.recover_current_a, sample.recover_signs
-    current_a = (u * signs[0], u * signs[1], u * signs[2])
+    current_a = (u[0] * signs[0], u[1] * signs[1], u[2] * signs[2])
     return Actuation(LAWS_AT_REST, current_a, (0, 0, 0), shaped_codes(params, current_a, sample))
 
 

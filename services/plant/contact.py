@@ -72,7 +72,7 @@ def contact_step(
 ) -> ContactState:
     """Contact after a step in which the tip is at `tip_m`."""
     if contact.kind == FREE:
-        return state
+        return ContactState(0.0, 0.0, 0.0, 0.0)
     depth_m = depth(contact, state.environment_m, tip_m)
     if contact.kind == PLATE:
         return on_plate(state, contact, machine, depth_m, step_s)

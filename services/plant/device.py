@@ -29,6 +29,9 @@ class Device(Protocol):
     def load(self, config: PlantConfig, seed: int, first_tick: int, ticks: int) -> None:
         """Prepare for a trial; a real DAQ checks that it can."""
 
+    def watchdog(self, substeps: int) -> None:
+        """Zero the D/A by itself if it is not written for this long."""
+
     def begin(self) -> None:
         """Take the declared initial state at the trial's first tick; a real DAQ moves nothing."""
 

@@ -94,7 +94,7 @@ NO_COMMAND_SEEN = CommandSeen(False, 0, 0, -1, NO_COMMAND, _ZERO)
 def gate_step(memory: GateMemory, limits: GateLimits, seen: GateInput, at_latch: bool) -> GateMemory:
     """Judge permit, command and force; `at_latch` marks the regular instant, once a sample."""
     cause = _broken(memory, limits, seen)
-    shut = memory.state == SHUT or memory.state == BURNED  # noqa: PLR1714 (numba types no set of ints here)
+    shut = memory.state == SHUT or memory.state == BURNED
     if cause != NONE:
         burned = memory.burned
         if not shut:
@@ -122,7 +122,7 @@ def gate_step(memory: GateMemory, limits: GateLimits, seen: GateInput, at_latch:
 @kernel
 def _is_burned(burned: tuple[int, ...], arming: int) -> bool:
     for number in burned:
-        if number == arming:
+        if number == arming and arming != 0:
             return True
     return False
 

@@ -29,21 +29,22 @@ def gate_event(event: GateEvent) -> Event:
 
 
 def permit_events(before: Permit | None, now: Permit) -> list[Event]:
-    """Changes of mode and trips, from one permit to the next."""
-    if before is not None and (before.mode, before.cause, before.first_sample) == (now.mode, now.cause, now.first_sample):
-        return []
-    mode = _word(Mode, now.mode)
-    if now.mode == Mode.TRIPPED and (before is None or before.cause != now.cause or before.mode != now.mode):
-        cause = _word(TripCause, now.cause)
-        return [
-            Event("supervisor", "ERROR", f"tripped: {cause}, {now.measured:g} against {now.limit:g}, sample {now.trip_number}")
-        ]
-    if before is not None and before.mode != now.mode:
-        return [Event("supervisor", "INFO", f"{_word(Mode, before.mode)} -> {mode}")]
+    """Changes of mode, trips and announced trials, from one permit to the next."""
+    told = []
+    if before is None or (before.mode, before.cause) != (now.mode, now.cause):
+        told.append(_mode_event(before, now))
     if now.first_sample != NO_COMMAND and (before is None or before.first_sample != now.first_sample):
         ticks = f"{now.bias_ticks} ticks of force bias, then {now.duration_ticks}"
-        return [Event("supervisor", "INFO", f"trial announced: first sample {now.first_sample}, {ticks}")]
-    return [Event("supervisor", "INFO", mode)] if before is None else []
+        told.append(Event("supervisor", "INFO", f"trial announced: first sample {now.first_sample}, {ticks}"))
+    return told
+
+
+def _mode_event(before: Permit | None, now: Permit) -> Event:
+    if now.mode == Mode.TRIPPED:
+        cause = _word(TripCause, now.cause)
+        return Event("supervisor", "ERROR", f"tripped: {cause}, {now.measured:g} against {now.limit:g}, sample {now.trip_number}")
+    was = "" if before is None else f"{_word(Mode, before.mode)} -> "
+    return Event("supervisor", "INFO", was + _word(Mode, now.mode))
 
 
 def gap_event(topic: str, header: Header, counted: Counted) -> Event | None:

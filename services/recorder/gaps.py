@@ -26,13 +26,13 @@ def count(before: Sequence | None, epoch: int, seq: int) -> Counted:
     """Count one message. The first seen of a publisher opens the count: what came before it is not missed."""
     if before is None:
         return Counted(Sequence(epoch, seq), 0, False)
-    seen = before._replace(received=before.received + 1)
+    _, last, received, missing, unordered, restarts = before
     if epoch != before.epoch:
-        return Counted(seen._replace(epoch=epoch, last=seq, restarts=before.restarts + 1), 0, True)
-    if seq <= before.last:
-        return Counted(seen._replace(unordered=before.unordered + 1), 0, False)
-    skipped = seq - before.last - 1
-    return Counted(seen._replace(last=seq, missing=before.missing + skipped), skipped, False)
+        return Counted(Sequence(epoch, seq, received + 1, missing, unordered, restarts + 1), 0, True)
+    if seq <= last:
+        return Counted(Sequence(epoch, last, received + 1, missing, unordered + 1, restarts), 0, False)
+    skipped = seq - last - 1
+    return Counted(Sequence(epoch, seq, received + 1, missing + skipped, unordered, restarts), skipped, False)
 
 
 def since(now: Sequence, start: Sequence | None) -> Sequence:

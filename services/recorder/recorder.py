@@ -52,18 +52,20 @@ class Recorder:
 
     def take(self, messages: Iterable[Received | Rejected]) -> None:
         """Everything that arrived since the last call, the samples before what answers them."""
+        writing = self._is_writing
         gaps: dict[Link, tuple[Received, Counted]] = {}
         for message in messages:
             if isinstance(message, Rejected):
                 self._refused(message)
                 continue
-            link = Link(message.topic, message.header.sender)
-            counted = count(self._links.get(link), message.header.epoch, message.header.seq)
+            header = message.header
+            link = Link(message.topic, header.sender)
+            counted = count(self._links.get(link), header.epoch, header.seq)
             self._links[link] = counted.sequence
             if counted.skipped or counted.restarted:
                 before = gaps[link][1].skipped if link in gaps else 0
                 gaps[link] = (message, counted._replace(skipped=before + counted.skipped))
-            if self._is_writing or isinstance(message.body, About):
+            if writing or isinstance(message.body, About):
                 self._writer.take(message)
         for message, counted in gaps.values():  # one line a link and call, however many gaps
             self._tell(gap_event(message.topic, message.header, counted))

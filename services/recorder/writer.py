@@ -56,8 +56,9 @@ class Writer:
         """One message."""
         body = message.body
         if isinstance(body, About):
-            self.about = body
-            self._describe(body)
+            if body != self.about:  # the plant repeats it for those who join late
+                self.about = body
+                self._describe(body)
             self.rows[message.topic] = self.rows.get(message.topic, 0) + 1
             return
         if isinstance(body, Sample):
@@ -90,8 +91,8 @@ class Writer:
         table = "\n".join(
             f"| {c.name} | {c.scale:g} {c.unit} | {c.offset:g} | {c.bits} | {c.low} .. {c.high} |" for c in channels
         )
-        text = f"## {about.machine}\n\n| | |\n|-|-|\n{lines}\n\n| channel | per count | offset | bits | counts |\n|-|-|-|-|-|\n{table}\n"
-        self._emit(Rows("machine", "document", None, text))
+        heads = f"| | |\n|-|-|\n{lines}", f"| channel | per count | offset | bits | counts |\n|-|-|-|-|-|\n{table}"
+        self._emit(Rows("machine", "document", None, "\n\n".join((f"## {about.machine}", *heads))))
 
     def _follow_plant(self, epoch: int) -> None:
         if self._plant_epoch is not None and epoch != self._plant_epoch:

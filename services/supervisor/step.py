@@ -79,7 +79,7 @@ class SupervisorMemory(NamedTuple):
 @kernel
 def supervisor_step(
     memory: SupervisorMemory, params: SupervisorParams, sample: Sample, asked: Asked
-) -> tuple[SupervisorMemory, Permit, Observed]:
+) -> tuple[SupervisorMemory, Permit]:
     """Judge one sample (or its absence, when asked.stale_ns > 0) and say who may move."""
     if asked.stale_ns == 0:
         memory = _take_bias(memory, params, sample)
@@ -91,12 +91,12 @@ def supervisor_step(
         asked.agreed,
         _can_recover(memory),
         sample.number < memory.held_until or asked.event == HOLD_RECOVER,
-        memory.mode == RUNNING and sample.tick >= params.duration_ticks,
+        memory.mode == RUNNING and sample.number >= memory.first_sample + params.bias_ticks + params.duration_ticks,
         memory.mode == ARMED and sample.number - memory.armed_at > params.armed_samples,
     )
     mode = next_mode(memory.mode, asked.event, facts)
     memory = _enter(memory, params, sample, asked, seen, (broken, measured, limit), mode)
-    return memory, _permit(memory, params), seen
+    return memory, _permit(memory, params)
 
 
 @kernel

@@ -1,0 +1,97 @@
+"""A trial on the local clock: an experiment in, its rows and its trace out."""
+
+from typing import Any, NamedTuple
+
+import numpy as np
+
+from experiments.experiment import Experiment
+from experiments.trace import Trace
+from rollout.cell import Columns, Setup, columns, play
+from services.controller.config import controller_params, segment_table
+from services.controller.step import control_start
+from services.plant.about import about
+from services.plant.config import GateLimits, PlantConfig, bias_ticks, latch_substeps
+from services.plant.gate import GateMemory
+from services.plant.machine import machine_start
+from services.plant.noise import force_noise_n, sample_intervals
+from services.plant.params import contact_params
+from services.supervisor.params import supervisor_params
+from services.supervisor.step import SupervisorMemory
+from shared.kernel import compiled
+from shared.units import NS_PER_S, SUBSTEP_NS
+
+SEGMENT_COLUMNS = 9
+
+
+class Outcome(NamedTuple):
+    """Rows from the trial's first (negative) tick on, and how it ended."""
+
+    rows: Columns
+    first_tick: int
+    latch_ns: int
+    supervisor: SupervisorMemory
+    gate: GateMemory
+
+
+_compiled: dict[str, Any] = {}
+
+
+def duration_ticks(duration_s: float, plant: PlantConfig) -> int:
+    """Samples from tick 0 to the end of the experiment."""
+    return round(duration_s * NS_PER_S / (plant.sample_period_substeps * SUBSTEP_NS))
+
+
+def setup(experiment: Experiment, limits: GateLimits) -> Setup:
+    """Parameters and initial state; raises ValueError if the sections do not fit together."""
+    contact = contact_params(experiment.plant.environment)
+    described = about(experiment.plant, limits)
+    first = -bias_ticks(experiment.plant)
+    return Setup(
+        experiment.plant.machine,
+        contact,
+        limits,
+        controller_params(experiment.controller, described, first),
+        supervisor_params(experiment.supervisor, described, -first, duration_ticks(experiment.duration_s, experiment.plant)),
+        machine_start(experiment.plant.machine, contact, experiment.plant.initial_q_rad),
+        first,
+        latch_substeps(experiment.plant),
+    )
+
+
+def play_local(experiment: Experiment, seed: int, limits: GateLimits | None = None) -> Outcome:
+    """Run `experiment` in one compiled loop with the noise and jitter of `seed`."""
+    made = setup(experiment, limits or GateLimits())
+    count = made.supervise.duration_ticks - made.first_tick
+    machine = experiment.plant.machine
+    noise_n = force_noise_n(seed, made.first_tick, count, machine.force_noise_sigma_n, machine.force_noise_clip_n)
+    intervals = sample_intervals(
+        seed, made.first_tick, count, experiment.plant.sample_period_substeps, experiment.plant.jitter_substeps
+    )
+    table = np.array(segment_table(experiment.reference), dtype=np.float64).reshape(-1, SEGMENT_COLUMNS)
+    out = columns(count)
+    if "play" not in _compiled:
+        _compiled["play"] = compiled(play)
+    watch, gate, rows = _compiled["play"](made, control_start(made.control), table, noise_n, intervals, out)
+    return Outcome(
+        Columns(*(column[:rows] for column in out)),
+        made.first_tick,
+        made.latch_substeps * SUBSTEP_NS,
+        SupervisorMemory(*watch),
+        GateMemory(*gate),
+    )
+
+
+def trace_of(outcome: Outcome) -> Trace:
+    """The rows from tick 0 on, as a trace."""
+    rows = Columns(*(column[-outcome.first_tick :] for column in outcome.rows))
+    shared = {name: getattr(rows, name) for name in Trace._fields if name in Columns._fields}
+    return Trace(
+        t_s=rows.time_ns / NS_PER_S,
+        sample_age_s=np.full(len(rows.tick), outcome.latch_ns / NS_PER_S),
+        **shared,
+    )
+
+
+def rollout(experiment: Experiment, seed: int) -> Trace:
+    """One trial's trace with the noise and jitter of `seed`."""
+    return trace_of(play_local(experiment, seed))

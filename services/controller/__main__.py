@@ -1,0 +1,7 @@
+"""`python -m services.controller`."""
+
+import sys
+
+from services.controller.service import main
+
+sys.exit(main())

@@ -1,0 +1,122 @@
+"""The controller's process: clocked by the samples that it answers."""
+
+import gc
+import os
+import time
+from collections.abc import Callable
+from typing import Any
+
+from services.controller.config import ControllerConfig, Reference, check, controller_params, segment_table
+from services.controller.step import control_start, control_step
+from shared.bus import Bus, Request, Run
+from shared.codec import Received
+from shared.envelope import Envelope, section, unseal
+from shared.messages import About, Command
+from shared.process import options_of, parser, serve
+
+IDLE = ControllerConfig(target="joint")
+_WAKE_S = 0.1
+_NO_FIRST_TICK = -1
+
+
+class Controller:
+    """Answers every sample: the loaded law while the gate is open, zero current while it is shut."""
+
+    def __init__(self, bus: Bus) -> None:
+        """Nothing loaded: track."""
+        self.bus = bus
+        self.samples, self.abouts = bus.subscribe("plant/sample"), bus.subscribe("plant/about")
+        self.about: About | None = None
+        self.config, self.reference, self.first_tick = IDLE, (), _NO_FIRST_TICK
+        self.pending: tuple[Envelope, ControllerConfig, Reference] | None = None
+        self.answered = 0
+
+    def run(self, stopped: Callable[[], bool]) -> None:
+        """Until told to stop."""
+        while not stopped():
+            self.bus.wait(_WAKE_S)
+            for message in self.abouts.take():
+                self._learn(message.body)
+            for message in self.samples.take():
+                self._answer(message)
+            for request in self.bus.requests():
+                self._serve(request)
+
+    def _learn(self, about: About) -> None:
+        if about != self.about:
+            self.about = about
+            self._prepare()
+
+    def _prepare(self) -> None:
+        if self.about is None:
+            return
+        self.params = controller_params(self.config, self.about, self.first_tick)
+        self.table = segment_table(self.reference)
+        self.memory = control_start(self.params)
+
+    def _answer(self, message: Received) -> None:
+        """One sample in, one command and one state out."""
+        if self.about is None:
+            return
+        began_ns = time.perf_counter_ns()
+        sample, header = message.body, message.header
+        self.memory, codes, thought = control_step(self.memory, self.params, self.table, sample)
+        echo = (sample.number, sample.time_ns)
+        self.bus.run = self.bus.run._replace(arming=header.arming)
+        self.bus.publish("controller/command", Command(codes), echo)
+        thought = thought._replace(compute_ns=time.perf_counter_ns() - began_ns)
+        self.bus.publish("controller/state", thought, echo)
+        self.answered += 1
+
+    def _serve(self, request: Request) -> None:
+        if request.verb == "load":
+            self._load(request)
+        elif request.verb == "commit":
+            self._commit(request)
+        elif request.verb == "status":
+            request.reply(self.status())
+        else:
+            request.refuse(f"the controller knows no request {request.verb!r}")
+
+    def _load(self, request: Request) -> None:
+        if self.about is None:
+            return request.refuse("the plant has not described itself yet: start it, or wait a second")
+        try:
+            envelope = unseal(str(request.arguments.get("envelope")))
+            config = section(envelope, "controller", ControllerConfig)
+            reference = section(envelope, "reference", Reference)
+            check(config, reference, tuple(envelope.experiment["plant"]["initial_q_rad"]))
+        except (ValueError, KeyError, TypeError) as error:
+            return request.refuse(str(error))
+        self.pending = (envelope, config, reference)
+        return request.reply({"digest": envelope.digest.hex()})
+
+    def _commit(self, request: Request) -> None:
+        if self.pending is None or self.pending[0].digest.hex() != request.arguments.get("digest"):
+            return request.refuse("nothing with this hash was loaded: load it first")
+        envelope, self.config, self.reference = self.pending
+        self.first_tick = -envelope.bias_ticks
+        self._prepare()
+        self.bus.run = Run(envelope.run, envelope.digest, 0)
+        gc.collect()
+        return request.reply({"digest": envelope.digest.hex()})
+
+    def status(self) -> dict[str, Any]:
+        """What an operator wants to know."""
+        return {
+            "pid": os.getpid(),
+            "ready": self.about is not None and self.answered > 0,
+            "law": self.config.law,
+            "target": self.config.target,
+            "answered": self.answered,
+            "experiment": self.bus.run.experiment.hex(),
+            "run": self.bus.run.run,
+            "discarded": dict(self.samples.acceptance.discarded),
+            "lost": self.samples.acceptance.lost,
+        }
+
+
+def main(arguments: list[str] | None = None) -> int:
+    """Run until a signal; returns the exit status."""
+    options = options_of(parser("controller", __doc__).parse_args(arguments))
+    return serve("controller", options, lambda bus, stopped: Controller(bus).run(stopped))

@@ -1,0 +1,7 @@
+"""`python -m services.plant`."""
+
+import sys
+
+from services.plant.main import main
+
+sys.exit(main())

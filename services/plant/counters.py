@@ -1,0 +1,44 @@
+"""What the plant counts: samples, answers, lateness of its grid."""
+
+from collections import deque
+from typing import Any
+
+_KEPT = 20_000  # latest wake-ups
+
+
+class Counters:
+    """Counts since the trial's first sample (or since the start, outside a trial)."""
+
+    def __init__(self) -> None:
+        """Nothing counted."""
+        self.reset()
+
+    def reset(self) -> None:
+        """A trial begins."""
+        self.samples = self.late_commands = self.unanswered = self.late_permits = self.shifts = 0
+        self.lateness_ns: deque[int] = deque(maxlen=_KEPT)
+        self.command_age_ns: deque[int] = deque(maxlen=_KEPT)
+
+    def summary(self) -> dict[str, Any]:
+        """Counts and percentiles, in us."""
+        return {
+            "samples": self.samples,
+            "late_commands": self.late_commands,
+            "unanswered": self.unanswered,
+            "late_permits": self.late_permits,
+            "grid_shifts": self.shifts,
+            "lateness_us": percentiles(self.lateness_ns),
+            "sample_to_accepted_us": percentiles(self.command_age_ns),
+        }
+
+
+def percentiles(values_ns: deque[int]) -> dict[str, float]:
+    """p50, p99 and max in us; empty without values."""
+    if not values_ns:
+        return {}
+    ordered = sorted(values_ns)
+
+    def at(share: float) -> float:
+        return ordered[min(len(ordered) - 1, int(share * len(ordered)))] / 1000
+
+    return {"p50": at(0.5), "p99": at(0.99), "max": ordered[-1] / 1000}

@@ -1,0 +1,229 @@
+"""The supervisor's process: judges every sample, and its absence; says who may move."""
+
+import gc
+import os
+import time
+from collections.abc import Callable
+from typing import Any
+
+from services.supervisor.config import SupervisorConfig
+from services.supervisor.modes import ARMED, DISARMED, RUNNING, TRIPPED, Event
+from services.supervisor.params import below_gate, supervisor_params
+from services.supervisor.rules import WORDS
+from services.supervisor.step import Asked, SupervisorMemory, supervisor_step
+from shared.bus import Bus, Request, Run
+from shared.codec import Received
+from shared.envelope import Envelope, section, unseal
+from shared.messages import About, Mode, Permit, TripCause
+from shared.process import draw_number, options_of, parser, serve
+from shared.units import NS_PER_S
+
+_IDLE_WAKE_S = 0.1
+_EVENTS = {
+    "arm": Event.ARM,
+    "start": Event.START,
+    "stop": Event.STOP,
+    "estop": Event.ESTOP,
+    "reset": Event.RESET,
+    "recover": Event.HOLD_RECOVER,
+    "release": Event.RELEASE,
+}
+_EXPECTED = {
+    Event.ARM: (Mode.ARMED,),
+    Event.START: (Mode.RUNNING,),
+    Event.STOP: (Mode.DISARMED, Mode.TRIPPED),
+    Event.ESTOP: (Mode.TRIPPED,),
+    Event.RESET: (Mode.DISARMED,),
+    Event.HOLD_RECOVER: (Mode.RECOVER,),
+    Event.RELEASE: (Mode.TRIPPED,),
+}
+
+
+class Supervisor:
+    """One verdict a sample, one permit a verdict."""
+
+    def __init__(self, bus: Bus) -> None:
+        """Disarmed."""
+        self.bus = bus
+        self.samples, self.abouts = bus.subscribe("plant/sample"), bus.subscribe("plant/about")
+        self.states = bus.subscribe("controller/state")
+        self.memory = SupervisorMemory()
+        self.about: About | None = None
+        self.envelope: Envelope | None = None
+        self.config = SupervisorConfig()
+        self.pending: tuple[Envelope, SupervisorConfig] | None = None
+        self.asked: list[tuple[Event, Request]] = []
+        self.sample: Received | None = None
+        self.controller: Received | None = None
+        self.permit: Permit | None = None
+        self._drawn = draw_number()
+
+    def run(self, stopped: Callable[[], bool]) -> None:
+        """Until told to stop."""
+        while not stopped():
+            self.bus.wait(self._patience_s())
+            for message in self.abouts.take():
+                self._learn(message.body)
+            for message in self.states.take():
+                self.controller = message
+            messages = self.samples.take()
+            for message in messages:
+                self.sample = message
+                self._judge(message, 0)
+            for request in self.bus.requests():
+                self._serve(request)
+            if not messages:
+                self._judge_absence()
+
+    def _patience_s(self) -> float:
+        """How long to wait for a sample before its absence is judged."""
+        if self.about is None or self.memory.mode not in (RUNNING, ARMED) or not self.about.permit_ttl_ns:
+            return _IDLE_WAKE_S
+        return self.about.permit_ttl_ns / NS_PER_S
+
+    def _learn(self, about: About) -> None:
+        if about != self.about:
+            self.about = about
+            self._prepare()
+
+    def _prepare(self) -> None:
+        if self.about is not None:
+            bias, duration = (0, 0) if self.envelope is None else (self.envelope.bias_ticks, self.envelope.duration_ticks)
+            self.params = supervisor_params(self.config, self.about, bias, duration)
+
+    def _judge_absence(self) -> None:
+        if self.sample is None or self.memory.mode == DISARMED:
+            return
+        stale_ns = time.monotonic_ns() - self.sample.arrival_ns
+        if self.about is not None and stale_ns > self.about.permit_ttl_ns:
+            self._judge(self.sample, stale_ns)
+
+    def _judge(self, message: Received, stale_ns: int) -> None:
+        """Step once with the oldest request, publish the permit, answer the request."""
+        if self.about is None:
+            return
+        event, request = self.asked.pop(0) if self.asked else (Event.NOTHING, None)
+        ready = self.controller is not None and self.controller.body.ready == 1
+        asked = Asked(int(event), self._drawn, self._agreed(message), ready, False, stale_ns)
+        before = self.memory.arming
+        self.memory, self.permit = supervisor_step(self.memory, self.params, message.body, asked)
+        if self.memory.arming not in (0, before):
+            self._drawn = draw_number()
+        self.bus.run = self.bus.run._replace(arming=self.memory.arming)
+        self.bus.publish("supervisor/permit", self.permit, (message.body.number, message.body.time_ns))
+        if request is not None:
+            self._reply(event, request, message)
+
+    def _agreed(self, message: Received) -> bool:
+        """Plant and controller report the loaded experiment and run, and the gate's limit stands above."""
+        run = self.bus.run
+        return (
+            self.envelope is not None
+            and self.about is not None
+            and self.about.permit_ttl_ns > 0
+            and below_gate(self.config, self.about)
+            and self.controller is not None
+            and all((m.header.run, m.header.experiment) == (run.run, run.experiment) for m in (message, self.controller))
+        )
+
+    def _reply(self, event: Event, request: Request, message: Received) -> None:
+        mode = Mode(self.memory.mode)
+        if mode in _EXPECTED[event]:
+            return request.reply(self.status())
+        return request.refuse(f"{event.name.lower().replace('_', ' ')} refused in mode {mode.name}: {self._why(message)}")
+
+    def _why(self, message: Received) -> str:
+        if self.memory.mode == TRIPPED:
+            return f"{self.trip_words()}; the cause must be gone, then `hydrohil reset`"
+        if not self._agreed(message):
+            return self._disagreement(message)
+        return "see `hydrohil status`"
+
+    def _disagreement(self, message: Received) -> str:
+        """Which of the conditions for arming does not hold."""
+        if self.envelope is None:
+            return "no experiment is loaded (`hydrohil run NAME` loads one)"
+        if self.controller is None:
+            return "no controller has answered a sample: start it (`hydrohil controller`)"
+        if self.about is None or not self.about.permit_ttl_ns:
+            return "the plant still measures this host to choose its lease: wait two seconds"
+        if not below_gate(self.config, self.about):
+            return f"force limit, bias and noise do not stay below the gate's {self.about.gate_force_limit_n:g} N"
+        for name, header in (("plant", message.header), ("controller", self.controller.header)):
+            if header.experiment != self.bus.run.experiment or header.run != self.bus.run.run:
+                return f"the {name} has another experiment or run loaded: load again"
+        return "not every service agrees yet: try again"
+
+    def trip_words(self) -> str:
+        """Cause, number and limit of the latched trip."""
+        cause = TripCause(self.memory.cause)
+        numbers = "" if cause == TripCause.ESTOP else f": {self.memory.measured:.4g} against {self.memory.limit:.4g}"
+        return f"{WORDS[cause]}{numbers} (sample {self.memory.trip_number})"
+
+    def _serve(self, request: Request) -> None:
+        if request.verb in _EVENTS:
+            return self._queue(request)
+        if request.verb == "load":
+            return self._load(request)
+        if request.verb == "commit":
+            return self._commit(request)
+        if request.verb == "status":
+            return request.reply(self.status())
+        return request.refuse(f"the supervisor knows no request {request.verb!r}")
+
+    def _queue(self, request: Request) -> None:
+        """Events act at the next sample; an emergency stop does not wait for one."""
+        if self.about is None or self.sample is None:
+            return request.refuse("no sample has come from the plant yet: start it (`hydrohil plant`)")
+        self.asked.append((_EVENTS[request.verb], request))
+        if request.verb == "estop":
+            self.asked.insert(0, self.asked.pop())
+            self._judge(self.sample, 0 if self.sample is None else time.monotonic_ns() - self.sample.arrival_ns)
+        return None
+
+    def _load(self, request: Request) -> None:
+        if self.memory.mode != DISARMED:
+            return request.refuse(f"the mode is {Mode(self.memory.mode).name}: stop or reset first")
+        try:
+            envelope = unseal(str(request.arguments.get("envelope")))
+            config = section(envelope, "supervisor", SupervisorConfig)
+        except ValueError as error:
+            return request.refuse(str(error))
+        self.pending = (envelope, config)
+        return request.reply({"digest": envelope.digest.hex()})
+
+    def _commit(self, request: Request) -> None:
+        if self.pending is None or self.pending[0].digest.hex() != request.arguments.get("digest"):
+            return request.refuse("nothing with this hash was loaded: load it first")
+        self.envelope, self.config = self.pending
+        self._prepare()
+        self.bus.run = Run(self.envelope.run, self.envelope.digest, 0)
+        gc.collect()
+        return request.reply({"digest": self.envelope.digest.hex()})
+
+    def status(self) -> dict[str, Any]:
+        """What an operator wants to know."""
+        return {
+            "pid": os.getpid(),
+            "ready": self.about is not None and self.sample is not None and self.controller is not None,
+            "mode": Mode(self.memory.mode).name,
+            "cause": TripCause(self.memory.cause).name,
+            "words": self.trip_words() if self.memory.cause else "",
+            "measured": self.memory.measured,
+            "limit": self.memory.limit,
+            "arming": self.memory.arming,
+            "force_bias_n": self.memory.bias_n,
+            "experiment": self.bus.run.experiment.hex(),
+            "run": self.bus.run.run,
+            "discarded": {
+                "plant/sample": dict(self.samples.acceptance.discarded),
+                "controller/state": dict(self.states.acceptance.discarded),
+            },
+            "lost": {"plant/sample": self.samples.acceptance.lost, "controller/state": self.states.acceptance.lost},
+        }
+
+
+def main(arguments: list[str] | None = None) -> int:
+    """Run until a signal; returns the exit status."""
+    options = options_of(parser("supervisor", __doc__).parse_args(arguments))
+    return serve("supervisor", options, lambda bus, stopped: Supervisor(bus).run(stopped))

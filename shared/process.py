@@ -1,0 +1,78 @@
+"""The life of a service's process: options, signals, real-time claims, exit status."""
+
+import argparse
+import os
+import secrets
+import signal
+import sys
+from collections.abc import Callable
+from typing import NamedTuple
+
+from shared.bus import DEFAULT_PORT, Bus, BusError
+from shared.realtime import Granted, claim, die_with_parent, quiet_garbage_collection
+
+EXIT_OK, EXIT_CLAIM, EXIT_USAGE, EXIT_TRIPPED, EXIT_TRANSPORT = 0, 1, 2, 3, 5
+_NUMBER_BITS = 62
+
+
+class Options(NamedTuple):
+    """What every service's command line says."""
+
+    cell: str = "cell"
+    port: int = DEFAULT_PORT
+    realtime: bool = True
+    with_parent: bool = False  # end when the starting process ends, however it ends
+    blocking: bool = False
+
+
+def parser(service: str, description: str | None) -> argparse.ArgumentParser:
+    """Command line that every service understands."""
+    made = argparse.ArgumentParser(
+        prog=f"hydrohil {service}",
+        description=description,
+        epilog=f"Example: hydrohil {service} --cell left --port 7550",
+    )
+    made.add_argument("--cell", default="cell", help="name of the cell; several share one network (cell)")
+    made.add_argument("--port", type=int, default=DEFAULT_PORT, help=f"first of the cell's three ports ({DEFAULT_PORT})")
+    made.add_argument("--no-realtime", action="store_true", help="ask for no real-time scheduling")
+    made.add_argument("--with-parent", action="store_true", help="end when the starting process ends, however it ends")
+    made.add_argument("--blocking", action="store_true", help="wait for room instead of dropping (lockstep)")
+    return made
+
+
+def options_of(given: argparse.Namespace) -> Options:
+    """What a parsed command line says."""
+    return Options(given.cell, given.port, not given.no_realtime, given.with_parent, given.blocking)
+
+
+def draw_number() -> int:
+    """A random number for an epoch or an arming; never 0."""
+    return secrets.randbits(_NUMBER_BITS) | 1
+
+
+def serve(service: str, options: Options, run: Callable[[Bus, Callable[[], bool]], None]) -> int:
+    """Open the bus and call `run(bus, stopped)` until a signal; returns the exit status."""
+    if options.with_parent:
+        die_with_parent()
+        if os.getppid() == 1:
+            return EXIT_OK
+    stop: list[int] = []
+    granted = claim(realtime=options.realtime)
+    try:
+        with Bus(service, options.cell, options.port, draw_number(), blocking=options.blocking) as bus:
+            for number in (signal.SIGINT, signal.SIGTERM, signal.SIGHUP):
+                signal.signal(number, lambda received, _frame: (stop.append(received), bus.wake()))
+            quiet_garbage_collection()
+            print(f"{service}: cell {options.cell!r}, port {options.port}, {scheduling(granted)}", flush=True)
+            run(bus, lambda: bool(stop))
+    except BusError as error:
+        print(f"{service}: {error}", file=sys.stderr, flush=True)
+        return EXIT_TRANSPORT
+    return EXIT_OK
+
+
+def scheduling(granted: Granted) -> str:
+    """What the host granted, in words."""
+    if granted.fifo:
+        return "real-time scheduling" + (", memory locked" if granted.memory_locked else "")
+    return "no real-time scheduling: expect late commands when the machine is busy"

@@ -1,0 +1,127 @@
+import math
+
+import pytest
+from pydantic import TypeAdapter, ValidationError
+
+from services.controller.config import (
+    ControllerConfig,
+    ImpedanceConfig,
+    Segment,
+    check,
+    controller_params,
+    impedance_params,
+    segment_table,
+)
+from services.controller.kinematics import UNIMATE_GEOMETRY
+from services.controller.params import TARGET_JOINT, UNIMATE_GAINS
+from shared.converters import UNIMATE_CONVERTERS, UNIMATE_ENCODERS, UNIMATE_FORCE
+from shared.messages import About
+
+ABOUT = About(
+    "unimate", UNIMATE_ENCODERS, UNIMATE_FORCE, UNIMATE_CONVERTERS, 4_500_000, 4_000_000, 20_000_000, 20_000_000, 420.0, 0, -1.0
+)
+POSE = (0.0, 0.0, 0.212)
+JOINT = ControllerConfig(target="joint")
+
+
+def test_a_dict_with_one_gain_changed_keeps_every_other_default():
+    gains = [g._asdict() for g in UNIMATE_GAINS]
+    gains[1]["kp_a_per_rad"] = 10
+    config = TypeAdapter(ControllerConfig).validate_python({"law": "pi", "gains": gains, "impedance": {"mass_kg": 50}})
+    assert config.gains[1] == UNIMATE_GAINS[1]._replace(kp_a_per_rad=10.0)
+    assert config.gains[2] == UNIMATE_GAINS[2]
+    assert config.impedance == ImpedanceConfig(mass_kg=50.0)
+
+
+@pytest.mark.parametrize(
+    "wrong",
+    [
+        {"law": "pid"},
+        {"slew_codes": 0},
+        {"slew_codes": 2457},
+        {"impedance": {"mass_kg": 0.0}},
+        {"impedance": {"damping_ratio": -0.1}},
+        {"recover_current_a": [0.1, 0.1, 0.201]},
+    ],
+)
+def test_a_value_outside_its_bound_is_refused(wrong):
+    with pytest.raises(ValidationError):
+        TypeAdapter(ControllerConfig).validate_python(wrong)
+
+
+@pytest.mark.parametrize("ok", [{"slew_codes": 1}, {"slew_codes": 2456}, {"recover_current_a": [0.0, 0.1, 0.2]}])
+def test_a_value_on_its_bound_is_taken(ok):
+    TypeAdapter(ControllerConfig).validate_python(ok)
+
+
+def test_net_damping_counts_the_environments_stiffness():
+    net = impedance_params(ImpedanceConfig(500.0, 50e3, 1.2, "net", 25e3), 2, 1.0)
+    c = 2.0 * net.damping_ratio * math.sqrt(500.0 * 50e3)
+    assert c == pytest.approx(2.0 * 1.2 * math.sqrt(500.0 * (50e3 + 25e3)))
+    assert impedance_params(ImpedanceConfig(damping_ratio=0.3, damping="model"), 2, 1.0).damping_ratio == 0.3
+
+
+def test_compensation_makes_the_steady_force_the_set_point():
+    # the model and a spring k_eff share the load: f = gain f_d k_eff / (k + k_eff)
+    k, k_eff = 50e3, 6.2e3
+    gain = impedance_params(
+        ImpedanceConfig(stiffness_n_per_m=k, environment_n_per_m=k_eff, setpoint_compensation=True), 2, 1.0
+    ).force_gain
+    assert gain * k_eff / (k + k_eff) == pytest.approx(1.0)
+    assert gain == pytest.approx(9.06, abs=0.01)
+    assert impedance_params(ImpedanceConfig(), 2, 1.0).force_gain == 1.0
+
+
+def test_kernel_parameters_hold_floats_even_where_ints_were_written():
+    config = ControllerConfig(
+        gains=(UNIMATE_GAINS[0]._replace(kp_a_per_rad=5), *UNIMATE_GAINS[1:]),
+        impedance=ImpedanceConfig(mass_kg=1, stiffness_n_per_m=4, damping_ratio=1),
+        recover_current_a=(0, 0, 0),
+    )
+    params = controller_params(config, ABOUT, -444)
+    assert all(type(value) is float for gains in params.gains for value in gains)
+    assert [type(value) for value in params.impedance] == [float, float, float, float, int, float]
+    assert all(type(value) is float for value in params.recover_current_a)
+    assert (params.impedance.natural_frequency_rad_per_s, params.first_tick) == (2.0, -444)
+
+
+def test_the_machine_states_where_the_gauge_is_mounted_and_which_way_it_is_pushed():
+    params = controller_params(JOINT, ABOUT, -10)
+    assert (params.impedance.force_axis, params.impedance.force_sign, params.target) == (0, -1.0, TARGET_JOINT)
+
+
+def test_a_row_names_its_channel_and_kind_by_number_and_is_all_floats():
+    (row,) = segment_table((Segment("force", "sine", 1.0, 2.0, 3.0, frequency_hz=0.5, phase_rad=0.25),))
+    assert row == (6.0, 2.0, 1.0, 2.0, 3.0, 0.0, math.pi, 0.25, 3.0)
+    assert all(type(value) is float for value in row)
+
+
+@pytest.mark.parametrize(
+    ("config", "segment", "says"),
+    [
+        (JOINT, Segment("x", "step", amount=0.01), "segment 0 .x, step.: target 'joint' reads q1, q2 or q3"),
+        (ControllerConfig(), Segment("q1", "step", amount=0.01), "reads x, y, z or force"),
+        (JOINT, Segment("q1", "ramp", amount=0.01), "duration_s must be > 0"),
+        (JOINT, Segment("q1", "ramp", duration_s=1.0, blend_s=0.51, amount=0.01), "two blends of 0.51 s do not fit"),
+        (JOINT, Segment("q1", "sine", duration_s=1.0, amount=0.01), "frequency_hz must be > 0"),
+        (JOINT, Segment("q2", "step", start_s=1.5, amount=0.472), r"leaves the travel of down/up \(high\) at 1.50 s"),
+        (JOINT, Segment("q3", "ramp", duration_s=2.0, amount=-0.3), r"leaves the travel of out/in \(low\)"),
+        (ControllerConfig(), Segment("z", "sine", duration_s=4.0, amount=0.9, frequency_hz=0.25), "leaves the travel"),
+    ],
+)
+def test_what_does_not_fit_together_is_refused_in_one_line(config, segment, says):
+    with pytest.raises(ValueError, match=says) as refused:
+        check(config, (segment,), POSE)
+    assert "\n" not in str(refused.value)
+
+
+def test_a_reference_up_to_the_end_of_travel_is_taken():
+    q2 = UNIMATE_GEOMETRY.high_rad[1]
+    check(JOINT, (Segment("q2", "step", amount=q2), Segment("q1", "ramp", duration_s=1.0, blend_s=0.5, amount=1.9)), POSE)
+
+
+def test_compensation_without_an_environment_and_a_tight_limit_above_the_wide_one_are_refused():
+    with pytest.raises(ValueError, match="setpoint_compensation needs environment_n_per_m"):
+        check(ControllerConfig(impedance=ImpedanceConfig(environment_n_per_m=0.0, setpoint_compensation=True)), (), POSE)
+    with pytest.raises(ValueError, match="tight_slew_codes 100 exceeds slew_codes 50"):
+        check(ControllerConfig(slew_codes=50), (), POSE)

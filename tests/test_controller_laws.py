@@ -1,0 +1,269 @@
+import math
+
+import numpy as np
+import pytest
+
+from services.controller.laws import (
+    AT_REST,
+    braking_acceleration,
+    deadband_compensation,
+    law_step,
+    morse_factor,
+    position_error,
+    relay_sign,
+    stiction_rate,
+)
+from services.controller.params import (
+    A_PER_COUNT,
+    DOWN_UP_GAINS,
+    LAW_DEADBAND,
+    LAW_FINAL,
+    LAW_HYSTERESIS,
+    LAW_MORSE,
+    LAW_PI,
+    LAW_VETIA,
+    OUT_IN_GAINS,
+    ROTATE_GAINS,
+    LinkGains,
+)
+from shared.kernel import compiled
+from shared.units import A_PER_MA, RAD_PER_DEG
+
+G = DOWN_UP_GAINS
+DEG = RAD_PER_DEG
+MA = A_PER_MA
+DT_S = 0.0045
+LAWS = (LAW_PI, LAW_MORSE, LAW_DEADBAND, LAW_HYSTERESIS, LAW_VETIA, LAW_FINAL)
+RTD = 180.0 / math.pi
+
+
+class Program:
+    """`morse_cont` of Appendix F for one link in its own units: deg or m, and counts (2048 = 360 mA)."""
+
+    def __init__(self, minerr, kp, ki, ka, alpha, thresh, deadcomp, down, up, vmax, maxacc, vetia=True, braking=True):
+        self.k = (minerr, kp, ki, ka, alpha, thresh, deadcomp, down, up, vmax, maxacc)
+        self.vetia, self.braking = vetia, braking
+        self.intg, self.flag, self.vo = 0.0, 1, 0.0
+
+    def braking_acceleration(self, qddot, h):
+        maxacc = self.k[10]
+        acc = (qddot - self.vo) / h
+        self.vo = qddot
+        if acc > 0.0 and qddot < 0.0:
+            return min(acc, maxacc)
+        if acc < 0.0 and qddot > 0.0:
+            return max(acc, -maxacc)
+        return 0.0
+
+    def step(self, q, qd, qdot, qddot, h):
+        minerr, kp, ki, ka, alpha, thresh, deadcomp, down, up, vmax, _ = self.k
+        err, vel = qd - q, qddot - qdot
+        if abs(err) < 2.0 * minerr and abs(qddot) < minerr:
+            err = 0.0
+        a = alpha * (0.001 + abs(qddot / vmax))
+        self.intg += ki / 4.0 * err * h + (ka * self.braking_acceleration(qddot, h) * h if self.braking else 0.0)
+        self.intg *= a / (a + vel * vel)
+        output = kp * err + self.intg
+        nonlin = qddot * qddot
+        ub = (qddot - qdot) * nonlin / (nonlin + 50.0 * qdot * qdot + 0.0001)
+        if self.vetia and ub > thresh:
+            if self.flag and output < deadcomp:
+                self.intg += down - output
+                self.flag = 0
+        elif self.vetia and ub < -thresh:
+            if self.flag and output > -deadcomp:
+                self.intg += -up - output
+                self.flag = 0
+        else:
+            self.flag = 1
+        return output
+
+
+# the program's numbers per link, K_I of link 2 as the nonlinear law needs it (15e5, the listing holds the linear law's)
+IN_PROGRAM_UNITS = (
+    (0.03, 3e4 / RTD, 8e5 / RTD, 150.0, 5000.0, 0.15, 450.0, 500.0, 500.0, 10.0, 15.0),
+    (0.03, 7e4 / RTD, 15e5 / RTD, 150.0, 8000.0, 0.15, 450.0, 500.0, 650.0, 10.0, 100.0),
+    (0.00105, 1e5, 15e5, 20000.0, 20.0, 0.0015, 650.0, 800.0, 1000.0, 0.2, 0.05),
+)
+
+
+def _exact(gains, row, unit):
+    """`gains` with the program's counts in place of Table 2's rounded mA."""
+    return gains._replace(
+        kp_a_per_rad=row[1] * A_PER_COUNT / unit,
+        ki_a_per_rad_s=row[2] / 4.0 * A_PER_COUNT / unit,
+        ka_a_s_per_rad=row[3] * A_PER_COUNT / unit,
+        boost_positive_a=row[7] * A_PER_COUNT,
+        boost_negative_a=row[8] * A_PER_COUNT,
+    )
+
+
+@pytest.mark.parametrize("link", [0, 1, 2])
+def test_the_final_law_computes_what_the_program_computes_in_its_own_units(link):
+    unit = (DEG, DEG, 1.0)[link]
+    row = IN_PROGRAM_UNITS[link]
+    gains = _exact((ROTATE_GAINS, DOWN_UP_GAINS, OUT_IN_GAINS)[link], row, unit)
+    program, state, boosts = Program(*row), AT_REST, 0
+    size = (1.0, 1.0, 0.02)[link]
+    for i in range(3000):
+        t = i * DT_S
+        q_set, qd_set = size * math.sin(2.0 * t), 2.0 * size * math.cos(2.0 * t)
+        moves = math.sin(5.3 * t) > 0.0  # sticks half of the time
+        q, qd = (0.9 * q_set, 0.9 * qd_set) if moves else (0.5 * size, 0.0)
+        want = program.step(q, q_set, qd, qd_set, DT_S)
+        state, current_a, boosted = law_step(state, gains, LAW_FINAL, q * unit, q_set * unit, qd * unit, qd_set * unit, DT_S)
+        boosts += boosted
+        assert current_a == pytest.approx(want * A_PER_COUNT, rel=1e-9, abs=1e-12)
+        assert state.integral_a == pytest.approx(program.intg * A_PER_COUNT, rel=1e-9, abs=1e-12)
+        assert state.boost_armed == program.flag
+    assert boosts > 5
+
+
+@pytest.mark.parametrize("law", [LAW_MORSE, LAW_VETIA])
+def test_morse_and_vetia_are_the_program_with_the_later_steps_left_out(law):
+    row = IN_PROGRAM_UNITS[1]
+    gains = _exact(DOWN_UP_GAINS, row, DEG)
+    program, state = Program(*row, vetia=law == LAW_VETIA, braking=False), AT_REST
+    for i in range(500):
+        q_set, qd_set = 0.3 * math.sin(i * 0.02), 1.3 * math.cos(i * 0.02)
+        want = program.step(0.1, q_set, 0.01, qd_set, DT_S)
+        state, current_a, _ = law_step(state, gains, law, 0.1 * DEG, q_set * DEG, 0.01 * DEG, qd_set * DEG, DT_S)
+        assert current_a == pytest.approx(want * A_PER_COUNT, rel=1e-9)
+
+
+def test_table_2_and_the_program_state_the_same_gains():
+    for gains, row, unit in zip((ROTATE_GAINS, DOWN_UP_GAINS, OUT_IN_GAINS), IN_PROGRAM_UNITS, (DEG, DEG, 1.0), strict=True):
+        exact = _exact(gains, row, unit)
+        for table, program in zip(gains, exact, strict=True):
+            assert table == pytest.approx(program, rel=0.006)
+
+
+def test_the_linear_law_is_proportional_plus_integral_with_115_ma_per_deg_s():
+    state, u, _ = law_step(AT_REST, G, LAW_PI, 0.0, 1.0 * DEG, 0.0, 0.0, 0.1)
+    assert u == pytest.approx((215 + 11.5) * MA)
+    _, u, _ = law_step(state, G, LAW_PI, 0.0, 1.0 * DEG, 0.0, 0.0, 0.1)
+    assert u == pytest.approx((215 + 23.0) * MA)
+
+
+@pytest.mark.parametrize(
+    ("error_deg", "speed_deg_per_s", "ignored"), [(0.0599, 0.0299, True), (0.0601, 0.0299, False), (0.0599, 0.0301, False)]
+)
+def test_small_errors_vanish_only_while_the_set_point_is_slow(error_deg, speed_deg_per_s, ignored):
+    for sign in (1.0, -1.0):
+        e = position_error(G, 0.0, sign * error_deg * DEG, sign * speed_deg_per_s * DEG)
+        assert (e == 0.0) == ignored
+
+
+def test_the_dead_zone_does_not_hold_on_its_limit():
+    assert position_error(G, 0.0, G.error_dead_zone_rad, 0.0) == G.error_dead_zone_rad
+
+
+def test_the_morse_factor_is_one_while_following_and_small_after_a_step():
+    assert morse_factor(G, 5.0 * DEG, 5.0 * DEG) == 1.0
+    assert morse_factor(G, 10.0 * DEG, 0.0) == pytest.approx(8.0 / (8.0 + 100.0))  # alpha = 0.001 * 8000 at rest
+    assert morse_factor(G, 0.0, 10.0 * DEG) == pytest.approx(8008.0 / (8008.0 + 100.0))
+
+
+def test_braking_is_the_set_points_own_deceleration_and_is_clipped():
+    assert braking_acceleration(G, 1.0, 0.9, 0.1) == 0.0  # speeding up
+    assert braking_acceleration(G, 0.9, 1.0, 0.1) == pytest.approx(-1.0)
+    assert braking_acceleration(G, -0.9, -1.0, 0.1) == pytest.approx(1.0)
+    assert braking_acceleration(G, 0.1, 1.0, 0.1) == -100 * DEG
+    assert braking_acceleration(G, -0.1, -1.0, 0.1) == 100 * DEG
+    assert braking_acceleration(G, 0.9, 1.0, 0.0) == 0.0
+
+
+def test_the_stiction_rate_is_the_velocity_error_of_a_stuck_link_and_zero_for_a_resting_set_point():
+    assert stiction_rate(G, 0.0, 1.0 * DEG) == pytest.approx(1.0 * DEG, rel=1e-3)
+    assert stiction_rate(G, 1.0 * DEG, 0.0) == 0.0
+    assert stiction_rate(G, 1.0 * DEG, 1.1 * DEG) < 0.003 * DEG
+
+
+def test_the_epsilon_raises_link_3s_trigger_from_1_5_to_5_9_mm_per_s():
+    assert stiction_rate(OUT_IN_GAINS, 0.0, 0.0058) < OUT_IN_GAINS.stiction_rate_min_rad_per_s
+    assert stiction_rate(OUT_IN_GAINS, 0.0, 0.0060) > OUT_IN_GAINS.stiction_rate_min_rad_per_s
+
+
+def _stuck(law, speed_deg_per_s, samples, gains=G):
+    state, currents, boosts = AT_REST, [], []
+    for i in range(samples):
+        q_set = speed_deg_per_s * DEG * i * DT_S
+        state, u, boosted = law_step(state, gains, law, 0.0, q_set, 0.0, speed_deg_per_s * DEG, DT_S)
+        currents.append(u)
+        boosts.append(boosted)
+    return state, currents, boosts
+
+
+@pytest.mark.parametrize(("speed", "break_away"), [(0.25, 88 * MA), (-0.25, -114 * MA)])
+def test_a_stuck_link_is_boosted_once_and_one_sample_later(speed, break_away):
+    _, currents, boosts = _stuck(LAW_VETIA, speed, 20)
+    assert boosts == [1] + [0] * 19
+    assert abs(currents[0]) < 1 * MA
+    assert currents[1] == pytest.approx(break_away, abs=1 * MA)
+
+
+def test_the_trigger_stands_at_the_threshold_rate():
+    # v^3 / (v^2 + 1e-4) = 0.15 deg/s at v = 0.15066 deg/s
+    assert sum(_stuck(LAW_VETIA, 0.1506, 20)[2]) == 0
+    assert sum(_stuck(LAW_VETIA, 0.1507, 20)[2]) == 1
+
+
+@pytest.mark.parametrize(("integral_ma", "boosted"), [(79.0, 1), (80.0, 0)])
+def test_a_current_above_the_boosts_threshold_is_not_boosted(integral_ma, boosted):
+    state = AT_REST._replace(integral_a=integral_ma * MA)
+    assert law_step(state, G, LAW_VETIA, 0.0, 0.0, 0.0, 1.0 * DEG, DT_S)[2] == boosted
+
+
+def test_the_boost_is_armed_again_once_the_link_has_moved():
+    state, _, _ = _stuck(LAW_VETIA, 0.25, 3)
+    assert state.boost_armed == 0
+    state, _, _ = law_step(state, G, LAW_VETIA, 0.0, 0.0, 0.25 * DEG, 0.25 * DEG, DT_S)
+    assert state.boost_armed == 1
+
+
+def test_deadband_compensation_is_linear_inside_its_width_and_constant_outside():
+    for ma, want in ((0.0, 0.0), (3.5, 44.0), (7.0, 88.0), (7.1, 88.0), (300.0, 88.0)):
+        assert deadband_compensation(G, ma * MA) == pytest.approx(want * MA)
+        assert deadband_compensation(G, -ma * MA) == pytest.approx(-want * MA)
+
+
+def test_deadband_compensation_adds_to_the_morse_current_and_not_to_its_integral():
+    args = (0.0, 0.1 * DEG, 0.0, 0.0, DT_S)
+    plain, u, _ = law_step(AT_REST, G, LAW_MORSE, *args)
+    for law in (LAW_DEADBAND, LAW_HYSTERESIS):
+        state, compensated, _ = law_step(AT_REST, G, law, *args)
+        assert compensated == pytest.approx(u + 88 * MA)
+        assert state.integral_a == plain.integral_a
+
+
+def test_the_relay_keeps_its_sign_until_the_current_crosses_the_other_threshold():
+    h = G.hysteresis_a
+    assert [relay_sign(G, 0, 0.0), relay_sign(G, 0, h), relay_sign(G, 0, 1.001 * h)] == [0, 0, 1]
+    assert [relay_sign(G, 1, -h), relay_sign(G, 1, -1.001 * h)] == [1, -1]
+
+
+def test_a_nan_anywhere_makes_the_current_nan():
+    for index in range(4):
+        args = [0.1, 0.2, 0.3, 0.4]
+        args[index] = math.nan
+        assert math.isnan(law_step(AT_REST, G, LAW_FINAL, *args, DT_S)[1])
+
+
+def test_no_input_leaves_the_domain_and_compiled_agrees_in_every_bit():
+    fast = compiled(law_step)
+    rng = np.random.default_rng(1)
+    edges = [math.nan, math.inf, -math.inf, 0.0, -0.0, 1e308, 1e-320, *(float(v) for v in rng.normal(size=4))]
+    for law in LAWS:
+        plain_state, fast_state = AT_REST, AT_REST
+        for _ in range(300):
+            args = [float(v) for v in rng.choice(edges[3:], 4)] + [DT_S]
+            if rng.random() < 0.3:
+                args[int(rng.integers(5))] = float(rng.choice(edges))
+            plain, quick = law_step(AT_REST, G, law, *args), fast(AT_REST, G, law, *args)
+            assert repr(plain) == repr(quick)
+            plain_state, fast_state = law_step(plain_state, G, law, *args)[0], fast(fast_state, G, law, *args)[0]
+            assert repr(plain_state) == repr(fast_state)
+
+
+def test_default_gains_are_link_2():
+    assert LinkGains() == DOWN_UP_GAINS

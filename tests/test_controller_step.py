@@ -1,0 +1,287 @@
+import itertools
+import math
+
+import numpy as np
+import pytest
+
+from services.controller.config import LAWS, TARGETS, ControllerConfig, ImpedanceConfig, Segment, controller_params, segment_table
+from services.controller.step import STOPPED, control_start, control_step, slewed_code
+from shared.converters import (
+    MAX_CODE,
+    UNIMATE_CONVERTERS,
+    UNIMATE_ENCODERS,
+    UNIMATE_FORCE,
+    ZERO_CODE,
+    code_to_current,
+    current_to_code,
+)
+from shared.kernel import compiled
+from shared.messages import NO_TRIAL, About, GateState, Sample
+
+PERIOD_NS = 4_500_000
+DT_S = PERIOD_NS * 1e-9
+FIRST = -30
+COUNTS = (4031, 971, 207, 0, 33)
+SHUT, OPEN, BURNED, RECOVERING = (int(state) for state in GateState)
+
+
+def _params(axis=2, sign=1.0, first_tick=FIRST, **config):
+    about = About("u", UNIMATE_ENCODERS, UNIMATE_FORCE, UNIMATE_CONVERTERS, PERIOD_NS, 0, 0, 0, 420.0, axis, sign)
+    return controller_params(ControllerConfig(**config), about, first_tick)
+
+
+def _sample(tick, counts=COUNTS, force=30, gate=None, dac=STOPPED, open_samples=10**6, number=None, late_ns=0, signs=(0, 0, 0)):
+    if gate is None:
+        gate = OPEN if tick > 0 else SHUT
+    number = tick + 1000 if number is None else number
+    trial_ns = 0 if tick == NO_TRIAL else tick * PERIOD_NS + late_ns
+    opened = open_samples if gate == OPEN else 0
+    return Sample(
+        number, number * PERIOD_NS + late_ns, tick, trial_ns, counts, force, dac, gate, 0, opened, signs, number - 1, 0, 0
+    )
+
+
+def _run(params, segments, samples, memory=None):
+    memory, table, out = memory or control_start(params), segment_table(segments), []
+    for sample in samples:
+        memory, codes, thought = control_step(memory, params, table, sample)
+        out.append((codes, thought))
+    return memory, out
+
+
+def _bias_phase(**kwargs):
+    return [_sample(tick, **kwargs) for tick in range(FIRST, 0)]
+
+
+def _moved(*steps):
+    return tuple(count + step for count, step in itertools.zip_longest(COUNTS, steps, fillvalue=0))
+
+
+JOINT_STEP = (Segment("q1", "step", amount=0.05), Segment("q2", "step", amount=0.05), Segment("q3", "step", amount=0.05))
+
+
+def test_a_shut_gate_means_tracking_set_point_measured_integral_zero_code_zero():
+    params = _params(law="pi", target="joint")
+    _, out = _run(params, JOINT_STEP, [*_bias_phase(), *(_sample(t, gate=BURNED, counts=_moved(t, t)) for t in range(1, 30))])
+    for codes, thought in out:
+        assert codes == STOPPED
+        assert thought.q_set_rad == thought.q_rad
+        assert thought.x_set_m == thought.x_m
+        assert thought.integral_a == (0.0, 0.0, 0.0)
+        assert thought.current_a == (0.0, 0.0, 0.0)
+
+
+@pytest.mark.parametrize(
+    ("tick", "gate", "answers"),
+    [(-1, OPEN, False), (0, SHUT, True), (0, BURNED, False), (0, RECOVERING, False), (1, SHUT, False), (1, OPEN, True)],
+)
+def test_the_law_answers_tick_0_and_an_open_gate_and_nothing_else(tick, gate, answers):
+    params = _params(target="joint")
+    before = [_sample(t) for t in range(FIRST, tick)]
+    _, out = _run(params, JOINT_STEP, [*before, _sample(tick, gate=gate)])
+    assert (out[-1][0] != STOPPED) == answers
+
+
+def test_after_a_cut_the_law_starts_from_nothing():
+    params = _params(law="pi", target="joint", slew_codes=2456)
+    run = [*_bias_phase(), *(_sample(t) for t in range(50))]
+    memory, out = _run(params, JOINT_STEP, run)
+    assert out[-1][1].integral_a[1] > 0.0
+    memory, out = _run(params, JOINT_STEP, [_sample(50, gate=BURNED)], memory)
+    assert memory.laws[1].integral_a == 0.0
+    assert memory.impedance.velocity_m_per_s == (0.0, 0.0, 0.0)
+
+
+def test_recovering_drives_only_the_allowed_signs_with_the_low_current():
+    params = _params(target="joint")
+    dac, memory = STOPPED, control_start(params)
+    for number in range(10):
+        sample = _sample(NO_TRIAL, gate=RECOVERING, signs=(0, -1, 1), dac=dac, number=number)
+        memory, codes, thought = control_step(memory, params, (), sample)
+        assert all(abs(code - last) <= 100 for code, last in zip(codes, dac, strict=True))
+        dac = codes
+    u = params.recover_current_a
+    assert dac == (ZERO_CODE, current_to_code(-u[1]), current_to_code(u[2]))
+    assert thought.current_a == (0.0, -u[1], u[2])
+
+
+def test_nothing_before_the_first_tick_leaves_a_trace():
+    params = _params(target="impedance")
+    segments = (Segment("x", "sine", duration_s=2.0, amount=0.02, frequency_hz=0.5), Segment("force", "step", amount=40.0))
+    trial = [*_bias_phase(), *(_sample(t, counts=_moved(t % 3, t // 9), force=30 + t % 5) for t in range(40))]
+    past = [_sample(NO_TRIAL, counts=_moved(50 - i, i, 3), number=i, force=99) for i in range(37)]
+    past += [_sample(FIRST + i, number=100 + i, counts=_moved(i), force=7) for i in range(60)]
+    memory, _ = _run(params, segments, past)
+    fresh, used = _run(params, segments, trial), _run(params, segments, trial, memory)
+    assert repr(fresh) == repr(used)
+
+
+def test_the_bias_is_the_mean_of_the_negative_ticks_alone():
+    params = _params(target="joint")
+    forces = [20 + i % 7 for i in range(-FIRST)]
+    samples = [_sample(FIRST + i, force=force) for i, force in enumerate(forces)]
+    _, out = _run(params, (), [*samples, _sample(0, force=500), _sample(1, force=700)])
+    scale, thought = params.calibration.force_n_per_count, out[-1][1]
+    assert thought.force_bias_n == pytest.approx(scale * sum(forces) / len(forces))
+    assert thought.force_n == pytest.approx(scale * 700 - thought.force_bias_n)
+    assert thought.force_mean_n == pytest.approx(scale * (forces[-1] + 500 + 700) / 3 - thought.force_bias_n)
+
+
+def test_ready_comes_with_the_twentieth_sample_in_a_trial_and_outside():
+    params = _params(target="impedance")
+    for samples in (_bias_phase(), [_sample(NO_TRIAL, number=i) for i in range(30)]):
+        _, out = _run(params, (), samples)
+        assert [thought.ready for _, thought in out] == [0] * 19 + [1] * 11
+
+
+@pytest.mark.parametrize(("counts_off", "ready"), [(2, 1), (-2, 1), (2.1, 0), (-2.1, 0)])
+@pytest.mark.parametrize("link", [0, 1, 2])
+def test_the_reference_may_start_two_counts_from_the_pose_and_no_more(link, counts_off, ready):
+    params = _params(target="joint")
+    step = Segment(("q1", "q2", "q3")[link], "step", amount=counts_off * params.calibration.scale[link])
+    _, out = _run(params, (step,), _bias_phase())
+    assert out[-1][1].ready == ready
+
+
+def test_a_lost_sample_before_tick_0_takes_readiness_from_the_whole_trial():
+    params = _params(target="joint")
+    samples = _bias_phase()
+    del samples[5]
+    _, out = _run(params, (), [*samples, *(_sample(t, gate=SHUT) for t in range(1, 30))])
+    assert {thought.ready for _, thought in out} == {0}
+
+
+def test_a_controller_that_missed_the_first_tick_never_drives():
+    params = _params(target="joint")
+    outside = [_sample(NO_TRIAL, number=i) for i in range(900)]
+    samples = [*outside, *_bias_phase()[1:], *(_sample(t) for t in range(30))]
+    _, out = _run(params, JOINT_STEP, samples)
+    assert all(codes == STOPPED for codes, _ in out)
+    assert {thought.ready for _, thought in out[900:]} == {0}
+
+
+def test_codes_rise_by_the_tight_limit_at_first_and_by_the_experiments_later():
+    params = _params(target="joint", slew_codes=300)
+    _, out = _run(params, JOINT_STEP, [*_bias_phase(), _sample(0)])
+    assert out[-1][0] == (ZERO_CODE + 100,) * 3
+    for opened, limit in ((0, 100), (19, 100), (20, 300)):
+        _, out = _run(params, JOINT_STEP, [*_bias_phase(), _sample(0), _sample(1, open_samples=opened, dac=(2000, 2048, 3100))])
+        assert out[-1][0] == (2000 + limit, 2048 + limit, min(3100 + limit, MAX_CODE))
+
+
+def test_a_current_that_is_no_number_stops_at_once():
+    for current_a in (math.nan, math.inf, -math.inf):
+        assert slewed_code(current_a, 3000, 100) == ZERO_CODE
+    assert slewed_code(0.36, 3000, 100) == 3100
+    params = _params(target="joint")
+    broken = params._replace(gains=(params.gains[0]._replace(kp_a_per_rad=math.nan), *params.gains[1:]))
+    _, out = _run(broken, JOINT_STEP, [*_bias_phase(), _sample(0)])
+    assert out[-1][0][0] == ZERO_CODE
+    assert out[-1][0][1] > ZERO_CODE
+
+
+def test_a_gap_while_running_is_integrated_with_the_true_time_between_samples():
+    params = _params(law="pi", target="joint")
+    start = [*_bias_phase(), _sample(0), _sample(1)]
+    memory, _ = _run(params, JOINT_STEP, start)
+    before = memory.laws[1].integral_a
+    memory, out = _run(params, JOINT_STEP, [_sample(9, late_ns=300_000)], memory)
+    gained = params.gains[1].linear_ki_a_per_rad_s * 0.05 * (8 * DT_S + 0.3e-3)
+    assert memory.laws[1].integral_a - before == pytest.approx(gained)
+    assert out[-1][0] != STOPPED
+
+
+def test_the_reference_is_read_at_the_samples_true_time():
+    params = _params(target="joint")
+    ramp = (Segment("q1", "ramp", duration_s=1.0, amount=0.1),)
+    _, out = _run(params, ramp, [*_bias_phase(), _sample(0), _sample(1, late_ns=-400_000)])
+    thought = out[-1][1]
+    assert thought.q_set_rad[0] - out[0][1].q_rad[0] == pytest.approx(0.1 * (DT_S - 0.4e-3))
+
+
+def test_cartesian_references_start_at_the_pose_of_the_first_tick():
+    params = _params(target="cartesian")
+    _, out = _run(params, (Segment("x", "step", start_s=0.0, amount=0.02),), [*_bias_phase(), _sample(0, counts=_moved(0, 1))])
+    x0, thought = out[0][1].x_m, out[-1][1]
+    assert thought.x_set_m == pytest.approx((x0[0] + 0.02, x0[1], x0[2]), abs=1e-12)
+    assert thought.x_nominal_m == thought.x_set_m
+
+
+@pytest.mark.parametrize(("axis", "sign"), [(2, 1.0), (0, -1.0)])
+def test_a_push_moves_the_set_point_away_and_a_force_set_point_moves_it_against_the_push(axis, sign):
+    params = _params(axis, sign, target="impedance", impedance=ImpedanceConfig(damping_ratio=1.0, damping="model"))
+    k = params.impedance.stiffness_n_per_m
+    pushed = [*_bias_phase(), *(_sample(t, force=60) for t in range(600))]
+    _, out = _run(params, (), pushed)
+    offset = out[-1][1].x_set_m[axis] - out[-1][1].x_nominal_m[axis]
+    assert offset == pytest.approx(sign * 30 * params.calibration.force_n_per_count / k, rel=1e-6)
+    _, out = _run(params, (Segment("force", "step", amount=40.0),), [*_bias_phase(), *(_sample(t) for t in range(600))])
+    offset = out[-1][1].x_set_m[axis] - out[-1][1].x_nominal_m[axis]
+    assert offset == pytest.approx(-sign * 40.0 / k, rel=1e-6)
+    assert out[-1][1].force_set_n == 40.0
+
+
+def test_compensation_scales_what_the_model_feels_and_not_what_is_reported():
+    impedance = ImpedanceConfig(damping_ratio=1.0, environment_n_per_m=6.2e3, setpoint_compensation=True)
+    params = _params(target="impedance", impedance=impedance)
+    samples = [*_bias_phase(), *(_sample(t) for t in range(2500))]
+    _, out = _run(params, (Segment("force", "step", amount=10.0),), samples)
+    offset = out[-1][1].x_set_m[2] - out[-1][1].x_nominal_m[2]
+    assert offset == pytest.approx(-10.0 * params.impedance.force_gain / params.impedance.stiffness_n_per_m, rel=1e-4)
+    assert out[-1][1].force_set_n == 10.0
+
+
+def test_a_set_point_beyond_the_travel_is_clamped_and_reported():
+    params = _params(target="cartesian")
+    _, out = _run(params, (Segment("x", "step", amount=2.0),), [*_bias_phase(), _sample(0)])
+    assert out[-1][1].clamped != 0
+    assert out[-1][1].q_set_rad[2] == params.geometry.high_rad[2]
+    assert out[-2][1].clamped == 0
+
+
+def test_the_final_law_brings_links_with_a_dead_valve_to_the_set_point():
+    # links that move at 60 deg/s (1 m/s) per A beyond a dead band of 80 mA, on the true encoders
+    params = _params(target="joint", law="final")
+    ramps = tuple(
+        Segment(channel, "ramp", duration_s=2.0, amount=amount, blend_s=0.4)
+        for channel, amount in (("q1", 0.1), ("q2", -0.1), ("q3", 0.1))
+    )
+    table, memory, dac = segment_table(ramps), control_start(params), STOPPED
+    scale, offset = params.calibration.scale, params.calibration.offset
+    q = [scale[i] * (COUNTS[i] + 0.5) + offset[i] for i in range(3)]
+    for tick in range(FIRST, 1200):
+        counts = (*(int((q[i] - offset[i]) / scale[i]) for i in range(3)), 0, 33)
+        memory, codes, thought = control_step(memory, params, table, _sample(tick, counts=counts, dac=dac, open_samples=tick))
+        dac = codes
+        for i, code in enumerate(codes):
+            u = code_to_current(code)
+            q[i] += DT_S * math.copysign(max(0.0, abs(u) - 0.08), u)
+    assert thought.clamped == 0
+    for i in range(3):
+        assert abs(thought.q_rad[i] - thought.q_set_rad[i]) <= 1.01 * params.gains[i].error_dead_zone_rad
+
+
+def test_plain_and_compiled_agree_in_every_bit_for_all_laws_and_targets():
+    fast, rng = compiled(control_step), np.random.default_rng(11)
+    joint = (Segment("q1", "sine", 0.0, 1.0, 0.1, frequency_hz=1.0), Segment("q2", "ramp", 0.1, 0.5, 0.1, blend_s=0.2))
+    space = (Segment("z", "sine", 0.0, 1.0, 0.05, frequency_hz=1.0), Segment("force", "step", 0.2, amount=50.0))
+    moving = 0
+    for law, target in itertools.product(LAWS, TARGETS):
+        params = _params(law=law, target=target)
+        table = segment_table(joint if target == "joint" else space)
+        memory, quick, array = control_start(params), control_start(params), np.array(table)
+        walk = np.cumsum(rng.integers(-2, 3, (330, 3)), axis=0)
+        dac = STOPPED
+        for i in range(330):
+            tick = FIRST + i
+            gate = BURNED if 200 <= tick < 215 else None
+            step = tuple(int(v) for v in walk[i])
+            sample = _sample(
+                tick, _moved(*step), int(30 + rng.integers(-9, 9)), gate, dac, max(tick, 0), late_ns=int(rng.integers(9)) * 50_000
+            )
+            memory, dac, thought = control_step(memory, params, table, sample)
+            quick, codes, also = fast(quick, params, array, sample)
+            assert (codes, repr(also)) == (dac, repr(thought))
+            moving += dac != STOPPED
+        assert repr(quick) == repr(memory)
+    assert moving > 1000

@@ -1,0 +1,61 @@
+import math
+
+import numpy as np
+import pytest
+from recorder_trial import ABOUT, trial
+
+from services.recorder.columns import TRUTH_FIGURES, column_names, figure_values, figures, flat
+from shared.converters import ZERO_CODE, code_to_current
+from shared.messages import Command, ControllerState, Permit, Sample, Truth
+
+
+def first(message: type, skip: int = 700):
+    return [m for m in trial(400) if isinstance(m.body, message)][skip]
+
+
+@pytest.mark.parametrize("message", [Sample, Truth, ControllerState, Permit, Command])
+def test_every_scalar_of_a_message_has_one_name(message: type):
+    m = first(message)
+    names = column_names(m.body, m.header)
+    assert len(names) == len(flat(m.body, m.header)) == len(set(names))
+    assert names[0] == "header.seq"
+
+
+def test_arrays_are_named_by_their_own_length_so_that_another_machine_fits():
+    assert column_names(Command((1, 2, 3, 4, 5))) == tuple(f"dac_counts[{i}]" for i in range(5))
+
+
+@pytest.mark.parametrize("message", [Sample, Truth, ControllerState, Permit])
+def test_every_figure_finds_its_columns(message: type):
+    m = first(message)
+    names, matrix = column_names(m.body, m.header), np.array([flat(m.body, m.header)])
+    drawn = figures(message, ABOUT.converters)
+    assert drawn
+    for figure in drawn:
+        values = figure_values(figure, names, matrix)
+        assert values is not None and values.shape == (1, len(figure.curves)), figure.entity
+
+
+def test_the_valve_figure_shows_the_current_that_the_codes_drive():
+    sample = first(Sample).body._replace(dac_counts=(ZERO_CODE, 3276, 820))
+    figure = figures(Sample, ABOUT.converters)[0]
+    values = figure_values(figure, column_names(sample), np.array([flat(sample)], float))
+    expected = [0.0, 1e3 * code_to_current(3276), 1e3 * code_to_current(820)]
+    np.testing.assert_allclose(values, [expected], atol=1e-9)
+
+
+def test_the_error_is_set_point_minus_measured_in_degrees():
+    state = first(ControllerState).body._replace(q_set_rad=(0.2, 0.1, 0.5), q_rad=(0.1, 0.1, 0.4))
+    figure = next(f for f in figures(ControllerState) if f.entity == "figure/error/angle")
+    values = figure_values(figure, column_names(state), np.array([flat(state)]))
+    np.testing.assert_allclose(values, [[math.degrees(0.1), 0.0]], atol=1e-12)
+
+
+def test_a_message_without_the_column_draws_no_figure():
+    assert figure_values(TRUTH_FIGURES[0], ("number",), np.zeros((3, 1))) is None
+
+
+def test_nan_and_infinity_stay_what_they_are():
+    permit = first(Permit).body._replace(measured=math.nan, limit=math.inf)
+    row = dict(zip(column_names(permit), flat(permit), strict=True))
+    assert math.isnan(row["measured"]) and row["limit"] == math.inf

@@ -1,0 +1,150 @@
+import math
+
+import numpy as np
+import pytest
+from recorder_trial import BIAS_TICKS, FIRST_NUMBER, PERIOD_NS, received, trial
+
+from services.recorder.columns import flat
+from services.recorder.rows import Rows
+from services.recorder.scene import FORCE, TIP
+from services.recorder.writer import ANSWER_LATENCY, Writer
+from shared.codec import Received
+from shared.converters import UNIMATE_ENCODERS
+from shared.messages import Command, ControllerState, Permit, Sample
+
+
+def write(messages: list[Received], batch_rows: int = 50) -> list[Rows]:
+    written: list[Rows] = []
+    writer = Writer(written.append, batch_rows)
+    for message in messages:
+        writer.take(message)
+    writer.flush(everything=True)
+    return written
+
+
+def of(written: list[Rows], entity: str) -> list[Rows]:
+    return [rows for rows in written if rows.entity == entity and rows.times is not None]
+
+
+def matrix(written: list[Rows], entity: str) -> np.ndarray:
+    return np.concatenate([rows.values for rows in of(written, entity)])
+
+
+@pytest.mark.parametrize("topic", ["plant/sample", "plant/truth", "controller/state", "controller/command", "supervisor/permit"])
+def test_every_message_is_written_once_in_order_and_exactly(topic: str):
+    messages = list(trial(150))
+    written = write(messages)
+    expected = np.array([flat(m.body, m.header) for m in messages if m.topic == topic], float)
+    np.testing.assert_array_equal(matrix(written, f"topic/{topic}"), expected)
+
+
+def test_no_batch_mixes_rows_inside_and_outside_a_trial():
+    written = write(list(trial(20)))
+    batches = of(written, "topic/plant/sample")
+    outside = [rows for rows in batches if rows.times.trial_ns is None]
+    inside = [rows for rows in batches if rows.times.trial_ns is not None]
+    assert sum(len(rows.values) for rows in outside) == 30
+    times = np.concatenate([rows.times.trial_ns for rows in inside])
+    np.testing.assert_array_equal(times, PERIOD_NS * np.arange(-BIAS_TICKS, 20))
+
+
+def test_a_message_that_overtakes_its_sample_waits_for_it():
+    messages = list(trial(100))
+    swapped = sorted(messages, key=lambda m: m.header.seq + (0.5 if m.topic == "plant/sample" else 0.0))
+    for topic in ("plant/truth", "controller/command"):
+        late, plain = of(write(swapped, 7), f"topic/{topic}"), of(write(messages, 7), f"topic/{topic}")
+        for one, other in ((late, plain),):
+            a = [
+                (n, t)
+                for r in one
+                if r.times.trial_ns is not None
+                for n, t in zip(r.times.samples, r.times.trial_ns, strict=True)
+            ]
+            b = [
+                (n, t)
+                for r in other
+                if r.times.trial_ns is not None
+                for n, t in zip(r.times.samples, r.times.trial_ns, strict=True)
+            ]
+            assert a == b
+
+
+def test_what_answers_a_sample_that_never_came_is_written_without_a_time():
+    messages = [m for m in trial(50) if not (isinstance(m.body, Sample) and m.header.seq == 500)]
+    written = write(messages)
+    orphan = [
+        r for r in of(written, "topic/controller/command") if r.times.trial_ns is None and FIRST_NUMBER + 500 in r.times.samples
+    ]
+    assert len(orphan) == 1 and len(orphan[0].values) == 1
+    latency = matrix(written, ANSWER_LATENCY)
+    assert np.isnan(latency).sum() == 1
+    assert sum(len(r.values) for r in of(written, "topic/controller/command")) == 50 + BIAS_TICKS + 30
+
+
+def test_the_answer_latency_is_the_difference_of_the_two_arrivals():
+    written: list[Rows] = []
+    writer = Writer(written.append)
+    sample = next(m for m in trial(1) if isinstance(m.body, Sample))
+    writer.take(sample._replace(arrival_ns=5_000_000))
+    writer.take(received("controller/command", Command((2048,) * 3), 0, sample.body.number, arrival_ns=7_250_000))
+    writer.flush()
+    assert matrix(written, ANSWER_LATENCY).tolist() == [[2.25]]
+
+
+def test_lanes_are_written_on_change_and_again_where_the_trial_begins():
+    written = write(list(trial(60, trip_tick=40)))
+    told = [(text, rows.times.trial_ns is not None) for rows in of(written, "state/1_supervisor") for text in rows.values]
+    assert told == [("disarmed", False), ("armed", True), ("running", True), ("tripped", True)]
+
+
+def test_joints_follow_the_encoder_tables_and_the_scene_is_thinned():
+    messages = list(trial(400))
+    written = write(messages)
+    joint = matrix(written, "scene/joint/down_up")
+    shown = [m.body for m in messages if isinstance(m.body, Sample) and m.body.number % 4 == 0]
+    channel = UNIMATE_ENCODERS[1]
+    np.testing.assert_allclose(joint, [s.encoder_counts[1] * channel.scale + channel.offset for s in shown], rtol=0, atol=1e-12)
+
+
+def test_the_force_arrow_ends_in_the_tip_and_points_where_the_plate_pushes():
+    written = write(list(trial(900)))
+    arrows, tip = matrix(written, FORCE), matrix(written, TIP)
+    np.testing.assert_allclose(arrows.sum(1), tip, atol=1e-12)
+    assert arrows[:, 1, 2].max() > 0.05
+    assert (arrows[:, 1, :2] == 0.0).all() and (arrows[:, 1, 2] >= 0.0).all()
+
+
+def test_an_unknown_position_is_kept_in_the_rows_and_left_out_of_the_scene():
+    unknown = (math.nan, math.nan, math.nan)
+    messages = [m._replace(body=m.body._replace(x_m=unknown)) if isinstance(m.body, ControllerState) else m for m in trial(30)]
+    written = write(messages)
+    assert not of(written, TIP)
+    assert np.isnan(matrix(written, "figure/position/z")[:, 2]).all()
+
+
+def test_another_plant_counts_its_samples_anew_and_the_old_ones_are_forgotten():
+    first, again = (
+        list(trial(10)),
+        [m._replace(header=m.header._replace(epoch=99)) for m in trial(20) if isinstance(m.body, Sample)],
+    )
+    written = write(first + again)
+    assert len(matrix(written, "topic/plant/sample")) == 2 * (30 + BIAS_TICKS) + 10 + 20
+
+
+def test_names_are_told_once_and_again_in_the_next_recording():
+    written: list[Rows] = []
+    writer = Writer(written.append)
+    for message in trial(10):
+        writer.take(message)
+    writer.begin()
+    for message in trial(10):
+        writer.take(message)
+    writer.flush(everything=True)
+    assert sum(rows.kind == "names" and rows.entity == "topic/plant/sample" for rows in written) == 2
+
+
+def test_a_message_with_nan_reaches_the_rows_unchanged():
+    permit = next(m for m in trial(1) if isinstance(m.body, Permit))
+    written = write([permit._replace(body=permit.body._replace(measured=math.nan))])
+    rows = matrix(written, "topic/supervisor/permit")
+    assert np.isnan(rows).sum() == 1
