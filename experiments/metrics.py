@@ -24,8 +24,9 @@ from experiments.signals import (
     nominal,
     rms,
     set_point,
+    swings,
 )
-from experiments.trace import Reals, Trace, rows
+from experiments.trace import Integers, Reals, Trace, rows
 from shared.units import A_PER_MA
 
 NAN = float("nan")
@@ -36,6 +37,7 @@ CONTACT_N = 2.0 * NOISE_N  # above this a force is contact, whatever the noise
 HIGH_FORCE_N = 200.0  # "contact forces exceeded 200 N" (thesis 5.7)
 SETTLED = 0.2  # a signal that stays within a fifth of its final value has settled
 SPIKE = 1.2  # a force above the final level by a fifth is a spike
+RINGING_S = 0.5  # the crate on the gauge rings at 4 Hz and dies in two periods
 
 
 def rms_error(trace: Trace, channel: ChannelName) -> float:
@@ -87,6 +89,18 @@ def peak_to_peak_ratio(trace: Trace, channel: ChannelName) -> float:
     """Peak to peak of the signal over that of its set-point."""
     wanted = float(np.ptp(set_point(trace, channel)))
     return peak_to_peak(trace, channel) / wanted if wanted > 0.0 else NAN
+
+
+def cycle_ratio(trace: Trace, channel: ChannelName) -> float:
+    """Peak to peak of the signal over that of its set-point, mean over the set-point's full cycles.
+
+    A cycle runs from one turning point of the set-point to the next but one.
+    """
+    wanted, seen = set_point(trace, channel), measured(trace, channel)
+    turns = [start for start, _, _ in moves(wanted)][1:]
+    cycles = [slice(start, end + 1) for start, end in zip(turns[:-2:2], turns[2::2], strict=True)]
+    ratios = [np.ptp(seen[cycle]) / np.ptp(wanted[cycle]) for cycle in cycles]
+    return float(np.mean(ratios)) if ratios else NAN
 
 
 def _delays_s(trace: Trace, link: ChannelName) -> list[float]:
@@ -185,6 +199,19 @@ def max_deviation(trace: Trace, channel: ChannelName) -> float:
     return float(np.max(np.abs(measured(trace, channel) - nominal(trace, channel))))
 
 
+def max_modification(trace: Trace, channel: ChannelName) -> float:
+    """Largest distance of an axis' set-point from its nominal trajectory: what the target impedance made of the forces."""
+    return float(np.max(np.abs(set_point(trace, channel) - nominal(trace, channel))))
+
+
+def departure(trace: Trace, channel: ChannelName) -> float:
+    """Largest distance of an axis from its nominal trajectory after the last contact; NaN without contact."""
+    touching = np.flatnonzero(trace.force_n > CONTACT_N)
+    if not len(touching) or touching[-1] == len(trace.t_s) - 1:
+        return NAN
+    return max_deviation(rows(trace, np.arange(len(trace.t_s)) > touching[-1]), channel)
+
+
 def mean_lag(trace: Trace, channel: ChannelName) -> float:
     """How far an axis stays behind its nominal trajectory on average, with sign."""
     return float(np.mean(nominal(trace, channel) - measured(trace, channel)))
@@ -197,26 +224,46 @@ def retreat(trace: Trace, channel: ChannelName) -> float:
 
 
 def spikes(trace: Trace, channel: ChannelName) -> float:
-    """How often the force rises above its final level by a fifth; it must fall back to that level in between."""
-    level = final_value(measured(trace, channel))
-    return _rises(measured(trace, channel), level, SPIKE * level) if level > CONTACT_N else NAN
+    """How often the force rises above its final level by a fifth, having been below that level.
+
+    What rises within half a second of a spike is its ringing and belongs to it.
+    """
+    force_n = measured(trace, channel)
+    level = final_value(force_n)
+    if level <= CONTACT_N:
+        return NAN
+    count, last_s = 0, -RINGING_S
+    for at_s in trace.t_s[_rises(force_n, level, SPIKE * level)].tolist():
+        if at_s - last_s >= RINGING_S:
+            count, last_s = count + 1, at_s
+    return float(count)
 
 
 def contacts(trace: Trace, channel: ChannelName) -> float:
-    """How often contact is made: the force rises above 20 N after it was within its noise of 10 N."""
-    return _rises(measured(trace, channel), NOISE_N, CONTACT_N)
+    """How often contact is made: the reading rises above 20 N after it was below zero.
+
+    With +-10 N of noise the first needs a true force above 10 N and the second one below.
+    """
+    return float(len(_rises(measured(trace, channel), 0.0, CONTACT_N)))
 
 
-def _rises(values: Reals, low: float, high: float) -> float:
+def _rises(values: Reals, low: float, high: float) -> Integers:
+    """(m,) rows at which `values` comes above `high` for the first time, or after having been below `low`."""
     turns = alternations(values, low, high)
     outside = np.flatnonzero((values > high) | (values < low))
-    began_high = len(outside) > 0 and values[outside[0]] > high
-    return float(np.sum(values[turns] > high) + began_high)
+    first = outside[:1]
+    both = np.concatenate((first, turns))
+    return np.asarray(both[values[both] > high], dtype=np.int64)
 
 
 def control_reversals(trace: Trace, channel: ChannelName) -> float:
     """How often the valve current goes from one side of the spool's overlap (36 mA) to the other."""
     return float(len(alternations(control(trace, channel), -OVERLAP_A, OVERLAP_A)))
+
+
+def control_swings(trace: Trace, channel: ChannelName) -> float:
+    """How often the valve current turns round and goes further than the spool's overlap (36 mA) the other way."""
+    return float(swings(control(trace, channel), OVERLAP_A))
 
 
 def control_rms(trace: Trace, channel: ChannelName) -> float:
@@ -257,6 +304,7 @@ MetricName = Literal[
     "peak_to_peak",
     "peak_to_peak_counts",
     "peak_to_peak_ratio",
+    "cycle_ratio",
     "first_delay_s",
     "longest_delay_s",
     "first_motion_s",
@@ -269,11 +317,14 @@ MetricName = Literal[
     "maximum",
     "minimum",
     "max_deviation",
+    "max_modification",
+    "departure",
     "mean_lag",
     "retreat",
     "spikes",
     "contacts",
     "control_reversals",
+    "control_swings",
     "control_rms",
     "control_peak",
     "braking_control_ratio",
@@ -301,6 +352,7 @@ METRICS: dict[MetricName, Metric] = {
     "peak_to_peak": Metric(peak_to_peak, "channel", CHANNELS),
     "peak_to_peak_counts": Metric(peak_to_peak_counts, "number", LINKS),
     "peak_to_peak_ratio": Metric(peak_to_peak_ratio, "number", CHANNELS),
+    "cycle_ratio": Metric(cycle_ratio, "number", CHANNELS),
     "first_delay_s": Metric(first_delay_s, "time", LINKS),
     "longest_delay_s": Metric(longest_delay_s, "time", LINKS),
     "first_motion_s": Metric(first_motion_s, "time", LINKS),
@@ -313,11 +365,14 @@ METRICS: dict[MetricName, Metric] = {
     "maximum": Metric(maximum, "channel", CHANNELS),
     "minimum": Metric(minimum, "channel", CHANNELS),
     "max_deviation": Metric(max_deviation, "length", AXES),
+    "max_modification": Metric(max_modification, "length", AXES),
+    "departure": Metric(departure, "length", AXES),
     "mean_lag": Metric(mean_lag, "length", AXES),
     "retreat": Metric(retreat, "channel", CHANNELS),
     "spikes": Metric(spikes, "number", _FORCE),
     "contacts": Metric(contacts, "number", _FORCE),
     "control_reversals": Metric(control_reversals, "number", LINKS),
+    "control_swings": Metric(control_swings, "number", LINKS),
     "control_rms": Metric(control_rms, "current", LINKS),
     "control_peak": Metric(control_peak, "current", LINKS),
     "braking_control_ratio": Metric(braking_control_ratio, "number", LINKS),

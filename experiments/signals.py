@@ -75,6 +75,19 @@ def alternations(values: Reals, low: float, high: float) -> Integers:
     return np.asarray(outside[changes + 1], dtype=np.int64)
 
 
+def swings(values: Reals, least: float) -> int:
+    """How often `values` turns round and goes more than `least` the other way; the first such way counts too."""
+    low = high = float(values[0])
+    direction, count = 0, 0
+    for value in values.tolist():
+        low, high = min(low, value), max(high, value)
+        if direction <= 0 and value - low > least:
+            direction, count, high = 1, count + 1, value
+        elif direction >= 0 and high - value > least:
+            direction, count, low = -1, count + 1, value
+    return count
+
+
 def moves(values: Reals) -> list[tuple[int, int, float]]:
     """Moves of a set-point as (row at which it starts, row at which the next starts, direction).
 

@@ -148,3 +148,8 @@ def _sample(i: int, tick: int, trip_tick: int) -> Iterator[Received]:
         310_000 + int(60_000 * abs(math.sin(3.0 * i))),
     )
     yield received("controller/state", state, i, number, arrival + 900_000, epoch=6)
+
+
+def exact(messages: list[Received]) -> list[list[float]]:
+    """The scalars of messages, one by one: what a recording must give back."""
+    return [[m.header.seq, *(x for v in m.body for x in (v if isinstance(v, tuple) else (v,)))] for m in messages]

@@ -208,10 +208,11 @@ def test_the_trigger_stands_at_the_threshold_rate():
     assert sum(_stuck(LAW_VETIA, 0.1507, 20)[2]) == 1
 
 
+@pytest.mark.parametrize("sign", [1.0, -1.0])
 @pytest.mark.parametrize(("integral_ma", "boosted"), [(79.0, 1), (80.0, 0)])
-def test_a_current_above_the_boosts_threshold_is_not_boosted(integral_ma, boosted):
-    state = AT_REST._replace(integral_a=integral_ma * MA)
-    assert law_step(state, G, LAW_VETIA, 0.0, 0.0, 0.0, 1.0 * DEG, DT_S)[2] == boosted
+def test_a_current_above_the_boosts_threshold_is_not_boosted(sign, integral_ma, boosted):
+    state = AT_REST._replace(integral_a=sign * integral_ma * MA)
+    assert law_step(state, G, LAW_VETIA, 0.0, 0.0, 0.0, sign * 1.0 * DEG, DT_S)[2] == boosted
 
 
 def test_the_boost_is_armed_again_once_the_link_has_moved():

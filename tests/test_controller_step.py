@@ -82,14 +82,17 @@ def test_the_law_answers_tick_0_and_an_open_gate_and_nothing_else(tick, gate, an
     assert (out[-1][0] != STOPPED) == answers
 
 
-def test_after_a_cut_the_law_starts_from_nothing():
-    params = _params(law="pi", target="joint", slew_codes=2456)
-    run = [*_bias_phase(), *(_sample(t) for t in range(50))]
-    memory, out = _run(params, JOINT_STEP, run)
-    assert out[-1][1].integral_a[1] > 0.0
-    memory, out = _run(params, JOINT_STEP, [_sample(50, gate=BURNED)], memory)
-    assert memory.laws[1].integral_a == 0.0
+def test_after_a_cut_law_and_target_model_start_from_nothing():
+    params = _params(law="pi", target="impedance")
+    push = (Segment("force", "step", amount=200.0), Segment("x", "step", amount=0.05))
+    memory, out = _run(params, push, [*_bias_phase(), *(_sample(t) for t in range(50))])
+    assert out[-1][1].integral_a[2] > 0.0
+    assert memory.impedance.force_offset_m < 0.0
+    memory, out = _run(params, push, [_sample(50, gate=BURNED)], memory)
+    assert memory.laws[2].integral_a == 0.0
+    assert memory.impedance.position_m == out[-1][1].x_m
     assert memory.impedance.velocity_m_per_s == (0.0, 0.0, 0.0)
+    assert (memory.impedance.force_offset_m, memory.impedance.force_velocity_m_per_s) == (0.0, 0.0)
 
 
 def test_recovering_drives_only_the_allowed_signs_with_the_low_current():
@@ -154,10 +157,24 @@ def test_a_lost_sample_before_tick_0_takes_readiness_from_the_whole_trial():
 def test_a_controller_that_missed_the_first_tick_never_drives():
     params = _params(target="joint")
     outside = [_sample(NO_TRIAL, number=i) for i in range(900)]
-    samples = [*outside, *_bias_phase()[1:], *(_sample(t) for t in range(30))]
+    samples = [*outside, *_bias_phase()[1:], *(_sample(t, counts=_moved(t, t, t)) for t in range(30))]
     _, out = _run(params, JOINT_STEP, samples)
     assert all(codes == STOPPED for codes, _ in out)
     assert {thought.ready for _, thought in out[900:]} == {0}
+
+
+def test_a_jump_of_the_tick_without_its_first_tick_stops_the_law():
+    params = _params(target="joint")
+    samples = [*_bias_phase(), *(_sample(t) for t in range(10)), *(_sample(t, number=1000 + t - 5) for t in range(15, 40))]
+    _, out = _run(params, JOINT_STEP, samples)
+    assert out[-26][0] != STOPPED
+    assert all(codes == STOPPED for codes, _ in out[-25:])
+
+
+def test_without_a_loaded_trial_no_tick_starts_one():
+    params = _params(target="joint", first_tick=0)
+    _, out = _run(params, JOINT_STEP, [*_bias_phase(), *(_sample(t) for t in range(30))])
+    assert all(codes == STOPPED for codes, _ in out)
 
 
 def test_codes_rise_by_the_tight_limit_at_first_and_by_the_experiments_later():
@@ -219,6 +236,16 @@ def test_a_push_moves_the_set_point_away_and_a_force_set_point_moves_it_against_
     offset = out[-1][1].x_set_m[axis] - out[-1][1].x_nominal_m[axis]
     assert offset == pytest.approx(-sign * 40.0 / k, rel=1e-6)
     assert out[-1][1].force_set_n == 40.0
+
+
+def test_measured_and_demanded_force_pass_the_same_filter():
+    params = _params(target="impedance")
+    demanded = -30 * params.calibration.force_n_per_count
+    pushed = _run(params, (), [*_bias_phase(), *(_sample(t, force=60) for t in range(9))])[1]
+    asked = _run(params, (Segment("force", "step", amount=demanded),), [*_bias_phase(), *(_sample(t) for t in range(9))])[1]
+    rise = [thought.x_set_m[2] - thought.x_nominal_m[2] for _, thought in pushed[-9:]]
+    assert [thought.x_set_m[2] - thought.x_nominal_m[2] for _, thought in asked[-9:]] == pytest.approx(rise, rel=1e-6)
+    assert rise[0] > 0.0
 
 
 def test_compensation_scales_what_the_model_feels_and_not_what_is_reported():

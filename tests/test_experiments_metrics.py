@@ -176,10 +176,16 @@ def test_spikes_are_counted_once_each_whatever_the_noise():
 
 
 def test_contact_is_force_beyond_the_noise():
-    values = np.array([0.0, 10.0, 19.9, 20.1, 15.0, 25.0, 9.0, 21.0, 0.0])
+    values = np.array([0.0, 10.0, 19.9, 20.1, 15.0, 25.0, -0.1, 21.0, 0.0])
     assert metrics.contacts(force(values), "force") == 2.0
     assert metrics.contacts(force(np.full(5, 30.0)), "force") == 1.0
     assert metrics.contacts(force(np.full(5, 20.0)), "force") == 0.0
+
+
+@pytest.mark.parametrize("true_n", [5.0, 10.0, 15.0, 50.0])
+def test_noise_alone_neither_makes_nor_breaks_contact(true_n):
+    noise_n = np.random.default_rng(2).uniform(-10.0, 10.0, 2000)
+    assert metrics.contacts(force(true_n + noise_n), "force") == (1.0 if true_n > 10.0 else 0.0)
 
 
 def test_a_reversal_of_the_control_crosses_the_whole_overlap():
@@ -221,3 +227,57 @@ def test_alternations_ignore_what_lies_between():
 
 def test_a_reversal_without_rest_starts_a_new_move():
     assert moves(np.array([0.0, 0.0, 1.0, 2.0, 1.0, 1.0, 2.0])) == [(1, 3, 1.0), (3, 5, -1.0), (5, 7, 1.0)]
+
+
+def test_the_cycle_ratio_is_a_mean_over_full_cycles_of_a_falling_sine():
+    trace = standing(20.0)
+    falling = (1.0 - trace.t_s / 25.0) * np.sin(2.0 * np.pi * trace.t_s)
+    late = (1.0 - trace.t_s / 25.0) * np.sin(2.0 * np.pi * (trace.t_s - 0.06))
+    trace = trace._replace(q_set_rad=link(falling, 2), q_rad=link(0.8 * late, 2))
+    assert metrics.cycle_ratio(trace, "q2") == pytest.approx(0.8, rel=1e-2)
+    first_alone = trace._replace(q_rad=trace.q_rad * (trace.t_s < 1.25)[:, None])
+    assert metrics.cycle_ratio(first_alone, "q2") < 0.1
+    assert metrics.peak_to_peak_ratio(first_alone, "q2") > 0.7
+
+
+def test_without_a_full_cycle_there_is_no_cycle_ratio():
+    assert math.isnan(metrics.cycle_ratio(sine(1.2), "q2"))
+    assert metrics.cycle_ratio(sine(1.3), "q2") == pytest.approx(1.0)
+    assert math.isnan(metrics.cycle_ratio(standing(1.0), "q2"))
+
+
+def test_a_swing_is_wider_than_the_overlap_but_need_not_change_sides():
+    trace = standing(2.0)
+    pulses = -0.09 + 0.5 * 0.0361 * np.sign(np.sin(2.0 * np.pi * 5.0 * trace.t_s + 0.1))
+    assert metrics.control_swings(trace._replace(current_a=link(pulses, 2)), "q2") == 20.0
+    assert metrics.control_reversals(trace._replace(current_a=link(pulses, 2)), "q2") == 0.0
+    narrow = -0.09 + 0.99 * (pulses + 0.09)
+    assert metrics.control_swings(trace._replace(current_a=link(narrow, 2)), "q2") == 0.0
+    slow_ramp = link(np.linspace(0.0, 0.3, len(trace.t_s)), 2)
+    assert metrics.control_swings(trace._replace(current_a=slow_ramp), "q2") == 1.0
+
+
+def test_ringing_after_a_spike_belongs_to_it():
+    for spacing, count in ((60, 1.0), (120, 2.0)):  # 0.27 s and 0.54 s
+        level = np.full(2000, 100.0)
+        level[100:110], level[100 + spacing : 110 + spacing] = 150.0, 150.0
+        level[50], level[90 + spacing] = 99.0, 99.0
+        assert metrics.spikes(force(level), "force") == count
+
+
+def test_what_the_impedance_adds_is_told_from_how_well_it_is_followed():
+    trace = standing(1.0)
+    trace = trace._replace(x_set_m=link(np.full(len(trace.t_s), 0.02), 3), x_m=link(np.full(len(trace.t_s), -0.01), 3))
+    assert metrics.max_modification(trace, "z") == pytest.approx(0.02)
+    assert metrics.max_deviation(trace, "z") == pytest.approx(0.01)
+
+
+def test_the_departure_is_what_remains_after_the_last_contact():
+    trace = standing(10.0)
+    trace = trace._replace(
+        force_n=np.where((trace.t_s > 2.0) & (trace.t_s < 5.0), 50.0, 9.9),
+        x_m=link(0.06 * np.exp(-np.maximum(trace.t_s - 4.0, 0.0)), 3),
+    )
+    assert metrics.departure(trace, "z") == pytest.approx(0.06 * math.exp(-1.0), rel=2e-2)
+    assert math.isnan(metrics.departure(trace._replace(force_n=np.full(len(trace.t_s), 20.0)), "z"))
+    assert math.isnan(metrics.departure(trace._replace(force_n=np.full(len(trace.t_s), 50.0)), "z"))

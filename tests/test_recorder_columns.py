@@ -2,11 +2,13 @@ import math
 
 import numpy as np
 import pytest
-from recorder_trial import ABOUT, trial
+from recorder_trial import ABOUT, exact, received, trial
 
-from services.recorder.columns import TRUTH_FIGURES, column_names, figure_values, figures, flat
+from services.recorder.columns import TRUTH_FIGURES, column_names, figure_values, figures, flat_rows, widths
 from shared.converters import ZERO_CODE, code_to_current
 from shared.messages import Command, ControllerState, Permit, Sample, Truth
+
+ANY = received("controller/command", Command((2048,) * 3), 0).header
 
 
 def first(message: type, skip: int = 700):
@@ -17,7 +19,8 @@ def first(message: type, skip: int = 700):
 def test_every_scalar_of_a_message_has_one_name(message: type):
     m = first(message)
     names = column_names(m.body, m.header)
-    assert len(names) == len(flat(m.body, m.header)) == len(set(names))
+    assert flat_rows([m.body], [m.header.seq]).tolist() == exact([m])
+    assert len(names) == len(exact([m])[0]) == len(set(names))
     assert names[0] == "header.seq"
 
 
@@ -28,7 +31,7 @@ def test_arrays_are_named_by_their_own_length_so_that_another_machine_fits():
 @pytest.mark.parametrize("message", [Sample, Truth, ControllerState, Permit])
 def test_every_figure_finds_its_columns(message: type):
     m = first(message)
-    names, matrix = column_names(m.body, m.header), np.array([flat(m.body, m.header)])
+    names, matrix = column_names(m.body, m.header), flat_rows([m.body], [m.header.seq])
     drawn = figures(message, ABOUT.converters)
     assert drawn
     for figure in drawn:
@@ -39,7 +42,7 @@ def test_every_figure_finds_its_columns(message: type):
 def test_the_valve_figure_shows_the_current_that_the_codes_drive():
     sample = first(Sample).body._replace(dac_counts=(ZERO_CODE, 3276, 820))
     figure = figures(Sample, ABOUT.converters)[0]
-    values = figure_values(figure, column_names(sample), np.array([flat(sample)], float))
+    values = figure_values(figure, column_names(sample, ANY), flat_rows([sample], [0]))
     expected = [0.0, 1e3 * code_to_current(3276), 1e3 * code_to_current(820)]
     np.testing.assert_allclose(values, [expected], atol=1e-9)
 
@@ -47,7 +50,7 @@ def test_the_valve_figure_shows_the_current_that_the_codes_drive():
 def test_the_error_is_set_point_minus_measured_in_degrees():
     state = first(ControllerState).body._replace(q_set_rad=(0.2, 0.1, 0.5), q_rad=(0.1, 0.1, 0.4))
     figure = next(f for f in figures(ControllerState) if f.entity == "figure/error/angle")
-    values = figure_values(figure, column_names(state), np.array([flat(state)]))
+    values = figure_values(figure, column_names(state, ANY), flat_rows([state], [0]))
     np.testing.assert_allclose(values, [[math.degrees(0.1), 0.0]], atol=1e-12)
 
 
@@ -57,5 +60,11 @@ def test_a_message_without_the_column_draws_no_figure():
 
 def test_nan_and_infinity_stay_what_they_are():
     permit = first(Permit).body._replace(measured=math.nan, limit=math.inf)
-    row = dict(zip(column_names(permit), flat(permit), strict=True))
+    row = dict(zip(column_names(permit, ANY), flat_rows([permit], [0])[0], strict=True))
     assert math.isnan(row["measured"]) and row["limit"] == math.inf
+
+
+def test_messages_of_different_lengths_are_told_apart():
+    assert widths([Command((1, 2, 3)), Command((1, 2))]) == [(3,), (2,)]
+    assert widths([first(Permit).body]) == [(3,)]
+    assert widths([]) == []

@@ -1,6 +1,6 @@
-from recorder_trial import trial
+from recorder_trial import received, trial
 
-from services.recorder.places import Place, Places, sample_number
+from services.recorder.places import Place, Places, sample_numbers
 from shared.messages import NO_TRIAL, Command, Sample
 
 
@@ -28,5 +28,8 @@ def test_the_map_keeps_as_many_as_it_was_told_and_no_more():
 
 
 def test_a_message_without_a_number_belongs_to_the_sample_it_echoes():
-    assert sample_number(Command((1, 2, 3)), 42) == 42
-    assert sample_number(samples()[0], 42) == samples()[0].number
+    command = received("controller/command", Command((1, 2, 3)), 0, echo=42)
+    sample = received("plant/sample", samples()[0], 0, echo=42)
+    assert sample_numbers([command]) == [42]
+    assert sample_numbers([sample]) == [samples()[0].number]
+    assert sample_numbers([]) == []

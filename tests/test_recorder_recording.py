@@ -4,10 +4,9 @@ import numpy as np
 import pyarrow as pa
 import pytest
 import rerun as rr
-from recorder_trial import BIAS_TICKS, PERIOD_NS, trial
+from recorder_trial import BIAS_TICKS, PERIOD_NS, exact, trial
 from rerun.chunk import RrdReader
 
-from services.recorder.columns import flat
 from services.recorder.recorder import Recorder
 from services.recorder.recording import Recording, unused
 from services.recorder.rows import Rows
@@ -58,7 +57,7 @@ def recorded(tmp_path_factory: pytest.TempPathFactory) -> tuple[Path, list[Recei
 @pytest.mark.parametrize("topic", ["plant/sample", "plant/truth", "controller/state", "controller/command", "supervisor/permit"])
 def test_every_topic_reads_back_exactly(recorded: tuple[Path, list[Received], dict], topic: str):
     path, messages, report = recorded
-    expected = np.array([flat(m.body, m.header) for m in messages if m.topic == topic], float)
+    expected = exact([m for m in messages if m.topic == topic])
     _, values = read(path, f"topic/{topic}", "sample")
     np.testing.assert_array_equal(values, expected)
     assert report["rows_by_topic"][topic] == len(expected)

@@ -2,9 +2,8 @@ import math
 
 import numpy as np
 import pytest
-from recorder_trial import BIAS_TICKS, FIRST_NUMBER, PERIOD_NS, received, trial
+from recorder_trial import BIAS_TICKS, FIRST_NUMBER, PERIOD_NS, exact, received, trial
 
-from services.recorder.columns import flat
 from services.recorder.rows import Rows
 from services.recorder.scene import FORCE, TIP
 from services.recorder.writer import ANSWER_LATENCY, Writer
@@ -34,7 +33,7 @@ def matrix(written: list[Rows], entity: str) -> np.ndarray:
 def test_every_message_is_written_once_in_order_and_exactly(topic: str):
     messages = list(trial(150))
     written = write(messages)
-    expected = np.array([flat(m.body, m.header) for m in messages if m.topic == topic], float)
+    expected = exact([m for m in messages if m.topic == topic])
     np.testing.assert_array_equal(matrix(written, f"topic/{topic}"), expected)
 
 
@@ -48,25 +47,23 @@ def test_no_batch_mixes_rows_inside_and_outside_a_trial():
     np.testing.assert_array_equal(times, PERIOD_NS * np.arange(-BIAS_TICKS, 20))
 
 
-def test_a_message_that_overtakes_its_sample_waits_for_it():
+def placed(written: list[Rows], entity: str) -> list[tuple[int, int]]:
+    inside = [rows.times for rows in of(written, entity) if rows.times.trial_ns is not None]
+    return [(n, t) for times in inside for n, t in zip(times.samples, times.trial_ns, strict=True)]
+
+
+@pytest.mark.parametrize("topic", ["plant/truth", "controller/command"])
+def test_a_message_that_overtakes_its_sample_waits_for_it(topic: str):
     messages = list(trial(100))
-    swapped = sorted(messages, key=lambda m: m.header.seq + (0.5 if m.topic == "plant/sample" else 0.0))
-    for topic in ("plant/truth", "controller/command"):
-        late, plain = of(write(swapped, 7), f"topic/{topic}"), of(write(messages, 7), f"topic/{topic}")
-        for one, other in ((late, plain),):
-            a = [
-                (n, t)
-                for r in one
-                if r.times.trial_ns is not None
-                for n, t in zip(r.times.samples, r.times.trial_ns, strict=True)
-            ]
-            b = [
-                (n, t)
-                for r in other
-                if r.times.trial_ns is not None
-                for n, t in zip(r.times.samples, r.times.trial_ns, strict=True)
-            ]
-            assert a == b
+    overtaken = sorted(messages, key=lambda m: m.header.seq + (0.5 if m.topic == "plant/sample" else 0.0))
+    times = placed(write(overtaken, 7), f"topic/{topic}")
+    assert times == placed(write(messages, 7), f"topic/{topic}")
+    assert len(times) == 100 + BIAS_TICKS
+
+
+def test_a_machine_with_other_channels_gets_batches_of_its_own():
+    messages = [received("controller/command", Command((2048,) * (3 if i < 4 else 5)), i, i) for i in range(9)]
+    assert [rows.values.shape for rows in of(write(messages), "topic/controller/command")] == [(4, 4), (5, 6)]
 
 
 def test_what_answers_a_sample_that_never_came_is_written_without_a_time():

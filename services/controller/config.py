@@ -110,7 +110,7 @@ def as_floats(gains: LinkGains) -> LinkGains:
 
 
 def controller_params(config: ControllerConfig, about: About, first_tick: int) -> ControllerParams:
-    """Kernel parameters for the machine that `about` describes; the trial begins at the negative `first_tick`."""
+    """Kernel parameters for the machine that `about` describes; the trial begins at the negative `first_tick` (0: none)."""
     recover = config.recover_current_a
     return ControllerParams(
         law=LAWS[config.law],

@@ -16,7 +16,7 @@ from shared.units import RAD_PER_DEG
 
 Triple = tuple[float, float, float]
 
-LARGEST_ANGLE_RAD = 1e6  # beyond, an angle is nonsense; sin(inf) would raise
+LARGEST_ANGLE_RAD = 1e9  # beyond, an angle is nonsense; sin(inf) would raise
 CLAMPED_LOW = (1, 4, 16)  # bits of the mask: link 1, 2, 3 at its lower limit
 CLAMPED_HIGH = (2, 8, 32)
 CLAMPED_UNREACHABLE = 64  # nearer to the shoulder than the hand's offset: no link 3 reaches it

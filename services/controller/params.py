@@ -100,7 +100,7 @@ class ControllerParams(NamedTuple):
     geometry: Geometry
     calibration: Calibration
     sample_period_ns: int  # nominal; only fills the regression before the first samples
-    first_tick: int  # of the trial, negative: the force bias is averaged from here to tick 0
+    first_tick: int  # of the trial, negative: the force bias is averaged from here to tick 0; 0 = no trial loaded
     slew_codes: int  # per sample, against the code last accepted
     tight_slew_codes: int
     tight_samples: int  # since the gate opened

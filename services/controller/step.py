@@ -69,7 +69,7 @@ def control_start(params: ControllerParams) -> ControlMemory:
 @kernel
 def begin(memory: ControlMemory, params: ControllerParams, sample: Sample, q: Triple, x: Triple) -> ControlMemory:
     """Memory before this sample: everything starts anew at a trial's first tick and wherever the samples do not follow."""
-    first = sample.tick == params.first_tick
+    first = sample.tick == params.first_tick and sample.tick < 0
     if not first and follows(memory.trial, sample):
         return memory
     trial = Trial(sample.number, sample.tick, sample.time_ns, first, first, 0, q, x, 0, 0)

@@ -20,7 +20,7 @@ def layout(force_axis: int = scene.DEFAULT_AXIS, live: bool = False) -> rrb.Blue
     """The layout; live it follows the newest sample in a sliding window."""
     timeline = SAMPLE if live else TRIAL_TIME
     left = rrb.Vertical(_arm(timeline, live), _words(live), row_shares=[3, 2])
-    middle = rrb.Vertical(*_thesis(force_axis, live), _lanes(), row_shares=[3, 3, 3, 2.6])
+    middle = rrb.Vertical(*_thesis(force_axis, live), _lanes(live), row_shares=[3, 3, 3, 2.6])
     right = rrb.Vertical(*_behind(live))
     return rrb.Blueprint(
         rrb.Horizontal(left, middle, right, column_shares=[1.0, 1.35, 1.0]),
@@ -49,7 +49,7 @@ def _arm(timeline: str, live: bool) -> rrb.Spatial3DView:
         background=rrb.Background(kind="SolidColor", color=BACKGROUND),
         line_grid=rrb.LineGrid3D(visible=True, spacing=0.5, plane=rr.components.Plane3D.XY.with_distance(-1.0)),
         spatial_information=rrb.SpatialInformation(target_frame=ROOT),
-        eye_controls=rrb.EyeControls3D(position=(1.6, -3.1, 0.9), look_target=(0.55, 0.0, -0.2), eye_up=(0, 0, 1)),
+        eye_controls=rrb.EyeControls3D(position=(1.75, -2.35, 0.62), look_target=(0.42, 0.0, -0.3), eye_up=(0, 0, 1)),
         defaults=[rr.Boxes3D.from_fields(fill_mode="solid"), rr.Cylinders3D.from_fields(fill_mode="solid")],
         overrides={f"/{scene.PATH}": rrb.VisibleTimeRanges(_window(timeline, back))},
     )
@@ -62,15 +62,21 @@ def _words(live: bool) -> rrb.Tabs:
     return rrb.Tabs(summary, events, machine, active_tab="Events" if live else "Claims and verdicts")
 
 
-def _plot(name: str, contents: list[str], live: bool, legend: str = "RightTop") -> rrb.TimeSeriesView:
+def _sliding() -> tuple[rrb.TimeRangeBoundary, rrb.TimeRangeBoundary]:
+    return rrb.TimeRangeBoundary.cursor_relative(seq=-LIVE_WINDOW_SAMPLES), rrb.TimeRangeBoundary.cursor_relative(seq=0)
+
+
+def _time_axis(live: bool) -> rrb.TimeAxis:
+    return rrb.TimeAxis(view_range=rr.TimeRange(*_sliding())) if live else rrb.TimeAxis(link="LinkToGlobal")
+
+
+def _plot(name: str, contents: list[str], live: bool, legend: str = "LeftTop") -> rrb.TimeSeriesView:
     options: dict[str, Any] = {}
-    axis = rrb.TimeAxis(link="LinkToGlobal")
-    if live:
-        back, now = rrb.TimeRangeBoundary.cursor_relative(seq=-LIVE_WINDOW_SAMPLES), rrb.TimeRangeBoundary.cursor_relative(seq=0)
-        options["time_ranges"] = [rrb.VisibleTimeRange(SAMPLE, start=back, end=now)]
-        axis = rrb.TimeAxis(view_range=rr.TimeRange(back, now))
+    if live:  # limit what is drawn and the axis: either alone leaves the other at everything
+        start, end = _sliding()
+        options["time_ranges"] = [rrb.VisibleTimeRange(SAMPLE, start=start, end=end)]
     corner = rrb.PlotLegend(corner=legend, visible=True)
-    return rrb.TimeSeriesView(origin="/", contents=contents, name=name, axis_x=axis, plot_legend=corner, **options)
+    return rrb.TimeSeriesView(origin="/", contents=contents, name=name, axis_x=_time_axis(live), plot_legend=corner, **options)
 
 
 def _thesis(force_axis: int, live: bool) -> list[rrb.TimeSeriesView]:
@@ -78,22 +84,20 @@ def _thesis(force_axis: int, live: bool) -> list[rrb.TimeSeriesView]:
     axis = AXES[force_axis]
     return [
         _plot("Force [N]", ["/figure/force", "/figure/contact_force", "/figure/force_limit"], live),
-        _plot(f"Position {axis} [mm]", [f"/figure/position/{axis}"], live),
-        _plot("Valve signal [mA]", ["/figure/valve"], live),
+        _plot(f"Position {axis} [mm]", [f"/figure/position/{axis}"], live, "LeftBottom"),
+        _plot("Valve signal [mA]", ["/figure/valve"], live, "LeftBottom"),
     ]
 
 
-def _lanes() -> rrb.Tabs:
-    """Who allows what, and what friction does; each lane is written on change only."""
-    modes, friction = (Permit, Sample), (ControllerState, Truth)
-    return rrb.Tabs(
-        *(_lane_view(name, messages) for name, messages in (("Modes", modes), ("Friction and integral", friction))), active_tab=0
-    )
+def _lanes(live: bool) -> rrb.Tabs:
+    """Who allows what, what the law does, what friction does; each lane is written on change only."""
+    tabs = (("Modes", (Permit, Sample)), ("Integral and envelope", (ControllerState,)), ("Friction", (Truth,)))
+    return rrb.Tabs(*(_lane_view(name, messages, live) for name, messages in tabs), active_tab=0)
 
 
-def _lane_view(name: str, messages: tuple[type, ...]) -> rrb.StateTimelineView:
+def _lane_view(name: str, messages: tuple[type, ...], live: bool) -> rrb.StateTimelineView:
     contents = [f"/{lane.entity}" for message in messages for lane in lanes(message)]
-    return rrb.StateTimelineView(origin="/", contents=contents, name=name, time_view=rrb.TimeAxis(link="LinkToGlobal"))
+    return rrb.StateTimelineView(origin="/", contents=contents, name=name, time_view=_time_axis(live))
 
 
 def _behind(live: bool) -> list[Any]:

@@ -4,6 +4,7 @@ Every topic is one entity `topic/<key>` with all its numbers in SI, one column a
 The figures are picked from those columns. Pure: numpy only.
 """
 
+from collections.abc import Sequence
 from typing import Any, NamedTuple
 
 import numpy as np
@@ -50,15 +51,20 @@ def column_names(body: Any, header: Any = None) -> tuple[str, ...]:
     return tuple(names)
 
 
-def flat(body: Any, header: Any = None) -> list[float]:
-    """The scalars of a message in the order of `column_names`. Whole numbers are exact below 2^53."""
-    row: list[float] = [] if header is None else [header.seq]
-    for value in body:
-        if isinstance(value, tuple):
-            row += value
-        else:
-            row.append(value)
-    return row
+def flat_rows(bodies: Sequence[Any], seqs: Sequence[int]) -> Matrix:
+    """The scalars of messages of one kind, in the order of `column_names`: (n, columns). Whole numbers are exact below 2^53."""
+    columns = [np.array(seqs, np.float64)[:, None]]
+    for values in zip(*bodies, strict=True):  # field by field: ten times faster than message by message
+        column = np.array(values, np.float64)
+        columns.append(column if column.ndim > 1 else column[:, None])
+    return np.concatenate(columns, 1)
+
+
+def widths(bodies: Sequence[Any]) -> list[tuple[int, ...]]:
+    """Lengths of each message's arrays; messages of one batch have the same."""
+    arrays = [field for field, value in enumerate(bodies[0]) if isinstance(value, tuple)] if bodies else []
+    columns = [map(len, (body[field] for body in bodies)) for field in arrays]
+    return list(zip(*columns, strict=True)) if columns else [()] * len(bodies)
 
 
 def figure_values(figure: Figure, names: tuple[str, ...], matrix: Matrix) -> Matrix | None:

@@ -1,8 +1,9 @@
 """Where a message belongs on the recording's timelines: at the sample that it is, answers or judges."""
 
 from collections import OrderedDict
-from typing import Any, NamedTuple
+from typing import NamedTuple
 
+from shared.codec import Received
 from shared.messages import NO_TRIAL, Sample
 
 KEPT_SAMPLES = 8192  # as deep as the recorder's inbox: 8 s at 1 kHz
@@ -40,7 +41,8 @@ class Places:
 
     def at(self, number: int) -> Place:
         """Place of a sample; one that never came or is forgotten has a number and no time."""
-        return self._places.get(number) or Place(number, None, 0)
+        known = self._places.get(number)
+        return Place(number, None, 0) if known is None else known
 
     def clear(self) -> None:
         """Forget everything: another plant counts its samples from its own start."""
@@ -48,6 +50,8 @@ class Places:
         self.newest = Place(-1, None, 0)
 
 
-def sample_number(body: Any, echo_number: int) -> int:
-    """The sample that a message belongs to: its own number where it has one, else the one its frame echoes."""
-    return int(getattr(body, "number", echo_number))
+def sample_numbers(messages: list[Received]) -> list[int]:
+    """The samples that a topic's messages belong to: their own number where they have one, else the one the frame echoes."""
+    if messages and hasattr(messages[0].body, "number"):
+        return [message.body.number for message in messages]
+    return [message.header.echo_number for message in messages]

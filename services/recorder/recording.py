@@ -1,6 +1,7 @@
 """One recording: a .rrd file with its layout and the arm inside. A disk that fails is reported, never waited for."""
 
 import contextlib
+import shutil
 import uuid
 from pathlib import Path
 from types import TracebackType
@@ -13,6 +14,7 @@ from services.recorder.rows import Rows
 from services.recorder.scene import DEFAULT_AXIS
 
 APPLICATION = "hydrohil"
+SUFFIX = ".rrd"
 FLUSH_TICK_S = 0.05
 FLUSH_TIMEOUT_S = 0.5
 TIMED_OUT = "timed out"
@@ -20,6 +22,8 @@ TIMED_OUT = "timed out"
 
 def unused(path: Path) -> Path:
     """`path`, or with the first number that makes it new; the file is created, so that nobody else gets it."""
+    if path.suffix != SUFFIX:
+        raise ValueError(f"{path} is no name for a recording: expected one that ends in {SUFFIX}")
     path.parent.mkdir(parents=True, exist_ok=True)
     number = 1
     while True:
@@ -102,4 +106,7 @@ class Recording:
         self._stream.disconnect()
 
     def _fail(self, error: Exception) -> None:
-        self.failure = f"{self.path}: {error}"
+        free = ""
+        with contextlib.suppress(OSError):
+            free = f" ({shutil.disk_usage(self.path.parent).free} bytes free on its disk)"
+        self.failure = f"{self.path}: {error}{free}"

@@ -41,3 +41,11 @@ def times_of(places: list[Place]) -> Times:
 def only(times: Times, kept: NDArray[Any]) -> Times:
     """The times of some of the rows; `kept` is a mask or indices."""
     return Times(times.samples[kept], None if times.trial_ns is None else times.trial_ns[kept])
+
+
+def alike(keys: list[Any]) -> list[slice]:
+    """Runs of equal neighbours."""
+    if not keys:
+        return []
+    ends = [i for i in range(1, len(keys)) if keys[i] != keys[i - 1]] + [len(keys)]
+    return [slice(start, end) for start, end in zip([0, *ends], ends, strict=False)]

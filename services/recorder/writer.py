@@ -6,11 +6,11 @@ from typing import Any, NamedTuple
 import numpy as np
 
 from services.recorder import scene
-from services.recorder.columns import MS, Matrix, column_names, figure_values, figures, flat
+from services.recorder.columns import MS, Matrix, column_names, figure_values, figures, flat_rows, widths
 from services.recorder.events import Event, gate_event, permit_events
 from services.recorder.lanes import changes, lanes
-from services.recorder.places import Place, Places, sample_number
-from services.recorder.rows import Rows, Times, only, times_of
+from services.recorder.places import Place, Places, sample_numbers
+from services.recorder.rows import Rows, Times, alike, only, times_of
 from shared.codec import Received
 from shared.converters import UNIMATE_CONVERTERS
 from shared.messages import About, Command, ControllerState, GateEvent, Permit, Sample
@@ -19,12 +19,15 @@ BATCH_ROWS = 256  # a batch is a chunk of the file with about 1 kB around it; th
 ANSWER_LATENCY = "figure/latency/answer"
 
 
-class Placed(NamedTuple):
-    """A message, its place on the timelines and its scalars."""
+class Run(NamedTuple):
+    """Messages of one topic that share timelines and columns, with their places."""
 
-    message: Received
-    place: Place
-    row: list[float]
+    messages: list[Received]
+    places: list[Place]
+
+    def part(self, rows: slice) -> "Run":
+        """Some of the rows."""
+        return Run(self.messages[rows], self.places[rows])
 
 
 class Writer:
@@ -110,32 +113,31 @@ class Writer:
 
     def _flush_topic(self, topic: str, everything: bool) -> None:
         waiting = self._waiting.pop(topic, [])
+        numbers = sample_numbers(waiting)
         newest = self._places.newest.number
-        ready: list[Placed] = []
-        for message in waiting:
-            number = sample_number(message.body, message.header.echo_number)
-            if everything or number <= newest:
-                ready.append(Placed(message, self._places.at(number), flat(message.body, message.header)))
-            else:
-                self._waiting.setdefault(topic, []).append(message)
-        start = 0
-        for end in range(1, len(ready) + 1):
-            if end == len(ready) or not _alike(ready[end], ready[start]):
-                self._write(topic, ready[start:end])
-                start = end
+        if not everything and numbers and max(numbers) > newest:
+            early = [n > newest for n in numbers]
+            self._waiting[topic] = [m for m, e in zip(waiting, early, strict=True) if e]
+            waiting = [m for m, e in zip(waiting, early, strict=True) if not e]
+            numbers = [n for n, e in zip(numbers, early, strict=True) if not e]
+        run = Run(waiting, [self._places.at(n) for n in numbers])
+        for rows in alike([place.trial_time_ns is None for place in run.places]):
+            same_times = run.part(rows)
+            for columns in alike(widths([m.body for m in same_times.messages])):
+                self._write(topic, same_times.part(columns))
 
-    def _write(self, topic: str, run: list[Placed]) -> None:
-        """Write a run of rows that share timelines and columns."""
-        first = run[0].message
-        message, times = type(first.body), times_of([placed.place for placed in run])
+    def _write(self, topic: str, run: Run) -> None:
+        """Write a run as one batch."""
+        first = run.messages[0]
+        message, times = type(first.body), times_of(run.places)
         names = column_names(first.body, first.header)
-        matrix: Matrix = np.array([placed.row for placed in run], np.float64)
+        matrix = flat_rows([m.body for m in run.messages], [m.header.seq for m in run.messages])
         entity = f"topic/{topic}"
         if self._named.get(entity) != names:
             self._named[entity] = names
             self._emit(Rows(entity, "names", None, names))
         self._emit(Rows(entity, "scalars", times, matrix))
-        self.rows[topic] = self.rows.get(topic, 0) + len(run)
+        self.rows[topic] = self.rows.get(topic, 0) + len(run.messages)
         self._write_lanes(message, names, matrix, times)
         converters = self.about.converters if self.about else UNIMATE_CONVERTERS
         for figure in figures(message, converters):
@@ -158,7 +160,7 @@ class Writer:
             if len(at):
                 self._emit(Rows(lane.entity, "state", only(times, at), [lane.text(column[i]) for i in at]))
 
-    def _write_rest(self, message: type, run: list[Placed], names: tuple[str, ...], matrix: Matrix, times: Times) -> None:
+    def _write_rest(self, message: type, run: Run, names: tuple[str, ...], matrix: Matrix, times: Times) -> None:
         of: Any = scene.machine(self.about)
         made: list[Rows] = []
         if message is Sample:
@@ -166,7 +168,7 @@ class Writer:
         elif message is ControllerState:
             made = scene.tip_rows(names, matrix, times, of)
         elif message is GateEvent:
-            told = [gate_event(placed.message.body) for placed in run]
+            told = [gate_event(m.body) for m in run.messages]
             made = [Rows("log/gate", "text", times, [(event.level, event.text) for event in told])]
         elif message is Command:
             made = [Rows(ANSWER_LATENCY, "scalars", times, _answer_ms(run))]
@@ -174,14 +176,9 @@ class Writer:
             self._emit(rows)
 
 
-def _alike(one: Placed, other: Placed) -> bool:
-    """Rows of one batch share their timelines and their columns."""
-    return len(one.row) == len(other.row) and (one.place.trial_time_ns is None) == (other.place.trial_time_ns is None)
-
-
-def _answer_ms(run: list[Placed]) -> Matrix:
+def _answer_ms(run: Run) -> Matrix:
     """From a sample's arrival at the recorder to its command's, in ms; NaN if the sample never came."""
-    arrived = np.array([placed.message.arrival_ns for placed in run], np.float64)
-    sampled = np.array([placed.place.arrival_ns or np.nan for placed in run], np.float64)
+    arrived = np.array([m.arrival_ns for m in run.messages], np.float64)
+    sampled = np.array([place.arrival_ns or np.nan for place in run.places], np.float64)
     answered: Matrix = ((arrived - sampled) * MS)[:, None]
     return answered

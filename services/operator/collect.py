@@ -1,0 +1,81 @@
+"""Every message of one trial, joined into a trace: verdicts need every tick from plant, controller and supervisor."""
+
+from collections.abc import Iterable
+from typing import Any
+
+import numpy as np
+
+from experiments.trace import Trace
+from shared.bus import Bus
+from shared.codec import Received
+from shared.messages import NO_TRIAL
+from shared.units import NS_PER_S
+
+DEPTH = 1 << 20  # frames; an hour at 222 Hz
+
+
+class GapError(Exception):
+    """A tick is missing; without it there is no verdict."""
+
+
+class Collector:
+    """Rings for the loop's topics, from before the trial to after its end."""
+
+    def __init__(self, bus: Bus) -> None:
+        """Subscribe."""
+        self.samples = bus.subscribe("plant/sample", DEPTH)
+        self.commands = bus.subscribe("controller/command", DEPTH)
+        self.states = bus.subscribe("controller/state", DEPTH)
+        self.permits = bus.subscribe("supervisor/permit", DEPTH)
+        self.gate_events = bus.subscribe("plant/gate", DEPTH)
+
+    def trace(self, run: int, ticks: int) -> Trace:
+        """The trial's rows from tick 0; raises GapError naming the first tick and topic that is missing."""
+        samples = [m for m in self.samples.take() if m.header.run == run]
+        by_number = {m.body.number: m.body for m in samples}
+        commands = _by_echo(self.commands.take(), run)
+        states = _by_echo(self.states.take(), run)
+        permits = _by_echo(self.permits.take(), run)
+        in_trial = sorted((m.body.tick, m.body) for m in samples if m.body.tick != NO_TRIAL and 0 <= m.body.tick < ticks)
+        rows = []
+        for tick, (found, sample) in enumerate(in_trial):
+            if found != tick:
+                raise GapError(f"sample of tick {tick} is missing")
+            for name, bodies in (("command", commands), ("controller state", states), ("permit", permits)):
+                if sample.number not in bodies:
+                    raise GapError(f"{name} of tick {tick} is missing")
+            number = sample.number
+            rows.append((sample, commands[number], states[number], permits[number], by_number.get(number + 1)))
+        if not rows:
+            raise GapError("no sample of the trial has come")
+        return _join(rows)
+
+
+def _by_echo(messages: Iterable[Received], run: int) -> dict[int, Any]:
+    """Newest body that answers each sample."""
+    return {m.header.echo_number: m.body for m in messages if m.header.run == run}
+
+
+def _age_s(number: int, following: Any) -> float:
+    """Age of the sample when its command was accepted, as the next sample reports it."""
+    if following is None or following.command_number != number:
+        return float("nan")
+    return float(following.command_age_ns) / NS_PER_S
+
+
+def _join(rows: list[tuple[Any, Any, Any, Any, Any]]) -> Trace:
+    samples, commands, states, permits, _ = zip(*rows, strict=True)
+    from_state = ("q_rad", "q_set_rad", "qd_rad_per_s", "qd_set_rad_per_s", "x_m", "x_set_m", "x_nominal_m", "current_a")
+    from_state += ("force_n", "force_set_n")
+    reals: dict[str, Any] = {name: np.array([getattr(s, name) for s in states], dtype=np.float64) for name in from_state}
+    whole: dict[str, Any] = {
+        name: np.array([getattr(s, name) for s in samples], dtype=np.int64) for name in ("tick", "encoder_counts", "force_counts")
+    }
+    return Trace(
+        t_s=np.array([s.trial_time_ns for s in samples], dtype=np.int64) / NS_PER_S,
+        mode=np.array([p.mode for p in permits], dtype=np.int64),
+        dac_counts=np.array([c.dac_counts for c in commands], dtype=np.int64),
+        sample_age_s=np.array([_age_s(row[0].number, row[4]) for row in rows]),
+        **reals,
+        **whole,
+    )

@@ -1,0 +1,129 @@
+"""`hydrohil run`: on the local clock in this process, otherwise in a cell that runs or is brought up for the run."""
+
+import time
+from pathlib import Path
+from typing import Any, NamedTuple
+
+from rich.console import Console
+from rich.progress import BarColumn, Progress, TextColumn, TimeRemainingColumn
+
+from experiments.claims import judge
+from experiments.experiment import Experiment
+from experiments.trace import Trace, save
+from rollout.rollout import play_local, trace_of
+from services.operator import cell as cells
+from services.operator.report import Report, markdown
+from services.operator.session import Live, run_live
+from services.supervisor.rules import WORDS
+from shared.bus import Bus
+from shared.messages import Mode, TripCause
+
+
+class Wanted(NamedTuple):
+    """What the command line asks for."""
+
+    experiment: Experiment
+    clock: str
+    seed: int
+    rrd: Path | None
+    trace: Path | None
+    extra: dict[str, list[str]]
+
+
+def run_experiment(place: cells.Place, wanted: Wanted, console: Console) -> Report:
+    """The report of one run; raises CellError if there is no cell to run in."""
+    return _local(wanted, console) if wanted.clock == "local" else _in_cell(place, wanted, console)
+
+
+def _local(wanted: Wanted, console: Console) -> Report:
+    began = time.perf_counter()
+    with console.status("running (the first run after a change compiles)"):
+        outcome = play_local(wanted.experiment, wanted.seed)
+    wall_s = time.perf_counter() - began
+    trip = outcome.supervisor
+    tripped = ""
+    if trip.mode == Mode.TRIPPED:
+        tripped = f"{WORDS[TripCause(trip.cause)]}: {trip.measured:.4g} against {trip.limit:.4g} (tick {outcome.rows.tick[-1]})"
+    return _report(wanted, trace_of(outcome), tripped, "", wall_s, {})
+
+
+def _in_cell(place: cells.Place, wanted: Wanted, console: Console) -> Report:
+    """Use the cell that runs, or bring one up that dies with this process."""
+    with cells.operator_bus(place) as bus:
+        running = bus.alive() & set(cells.LOOP)
+        if not running:
+            time.sleep(0.3)  # links to a cell that runs come up in the background
+            running = bus.alive() & set(cells.LOOP)
+        if running and running != set(cells.LOOP):
+            missing = sorted(set(cells.LOOP) - running)
+            raise cells.CellError(f"the cell has no {' and no '.join(missing)}: start it (`hydrohil {missing[0]}`), or `hydrohil down`")
+        started = {}
+        if not running:
+            started = cells.start(place, cells.SERVICES, with_parent=True, extra=wanted.extra)
+        try:
+            with console.status("waiting for the cell: it measures this host for two seconds"):
+                cells.await_ready(place, bus, started)
+            return _run_and_record(bus, wanted, console)
+        finally:
+            cells.stop(process.pid for process in started.values())
+
+
+def _run_and_record(bus: Bus, wanted: Wanted, console: Console) -> Report:
+    recorded = _start_recording(bus, wanted, console)
+    began = time.perf_counter()
+    with _progress(console) as progress:
+        task = progress.add_task(wanted.experiment.name, total=wanted.experiment.duration_s)
+        live = run_live(bus, wanted.experiment, wanted.seed, wanted.clock, lambda t: progress.update(task, completed=max(0.0, t)))
+    wall_s = time.perf_counter() - began
+    report = _report(wanted, live.trace, live.tripped, live.gap, wall_s, _latencies(live))
+    if recorded:
+        report = report._replace(recording=_finish_recording(bus, report, console))
+    return report
+
+
+def _progress(console: Console) -> Progress:
+    columns = (TextColumn("{task.description}"), BarColumn(), TextColumn("{task.completed:.1f} of {task.total:.1f} s"), TimeRemainingColumn())
+    return Progress(*columns, console=console)
+
+
+def _start_recording(bus: Bus, wanted: Wanted, console: Console) -> bool:
+    """Ask the recorder; a cell without one runs on and says so."""
+    if wanted.rrd is None:
+        return False
+    title = f"{wanted.experiment.name}: {wanted.experiment.title}"
+    try:
+        made = cells.ask(bus, "recorder", "record", 10.0, path=str(wanted.rrd.resolve()), title=title, summary_markdown=f"# {title}")
+    except cells.CellError as error:
+        console.print(f"[yellow]no recording[/]: {error}", highlight=False)
+        return False
+    if made.get("failure"):
+        console.print(f"[yellow]the recording is incomplete[/]: {made['failure']}", highlight=False)
+    return True
+
+
+def _finish_recording(bus: Bus, report: Report, console: Console) -> str:
+    try:
+        made = cells.ask(bus, "recorder", "finish", 30.0, summary_markdown=markdown(report))
+    except cells.CellError as error:
+        console.print(f"[yellow]the recorder was lost during the run[/]: {error}", highlight=False)
+        return ""
+    for problem in (made.get("failure"), f"{made['gaps']} messages are missing in it" if made.get("gaps") else ""):
+        if problem:
+            console.print(f"[yellow]the recording is incomplete[/]: {problem}", highlight=False)
+    return str(made.get("path", ""))
+
+
+def _latencies(live: Live) -> dict[str, Any]:
+    counters: dict[str, Any] = live.status.get("plant", {}).get("counters", {})
+    return counters
+
+
+def _report(wanted: Wanted, trace: Trace | None, tripped: str, gap: str, wall_s: float, latencies: dict[str, Any]) -> Report:
+    """Judge the trace and write it."""
+    verdicts = ()
+    if trace is not None:
+        if wanted.trace is not None:
+            save(trace, wanted.trace)
+        if not tripped:
+            verdicts = tuple(judge(claim, trace) for claim in wanted.experiment.claims)
+    return Report(wanted.experiment, wanted.clock, wanted.seed, verdicts, tripped, gap, wall_s, latencies, "")

@@ -1,0 +1,105 @@
+"""One run in a live cell: load in two phases, arm, start, watch, stop."""
+
+import secrets
+import time
+from collections.abc import Callable
+from typing import Any, NamedTuple
+
+from experiments.experiment import Experiment, to_plain
+from experiments.trace import Trace
+from rollout.rollout import duration_ticks
+from services.operator.cell import LOOP, CellError, ask, statuses
+from services.operator.collect import Collector, GapError
+from services.plant.config import bias_ticks
+from shared.bus import Bus
+from shared.codec import Received
+from shared.envelope import seal
+from shared.messages import NO_TRIAL, Mode
+
+_RUN_BITS = 48
+_WATCH_S = 0.05
+_SILENCE_S = 6.0  # longer than the plant waits for an answer in lockstep
+
+
+class Live(NamedTuple):
+    """What a live run gave."""
+
+    trace: Trace | None
+    gap: str  # why there is no trace
+    tripped: str  # the supervisor's words, "" if it did not trip
+    status: dict[str, dict[str, Any]]
+
+
+def load(bus: Bus, experiment: Experiment, seed: int, clock: str) -> int:
+    """All validate and return the hash, then all commit; returns the run's number."""
+    run = secrets.randbits(_RUN_BITS)
+    envelope = seal(
+        to_plain(experiment),
+        run=run,
+        seed=seed,
+        clock=clock,
+        bias_ticks=bias_ticks(experiment.plant),
+        duration_ticks=duration_ticks(experiment.duration_s, experiment.plant),
+    )
+    digests = {service: ask(bus, service, "load", envelope=envelope)["digest"] for service in LOOP}
+    if len(set(digests.values())) != 1:
+        raise CellError(f"the services disagree on the experiment's hash: {digests}")
+    for service in LOOP:
+        ask(bus, service, "commit", digest=digests[service])
+    return run
+
+
+def arm(bus: Bus, timeout_s: float = 3.0) -> None:
+    """Arm as soon as every service agrees; raises CellError with the last reason."""
+    deadline = time.monotonic() + timeout_s
+    while True:
+        try:
+            ask(bus, "supervisor", "arm")
+            return
+        except CellError:
+            if time.monotonic() > deadline:
+                raise
+            time.sleep(_WATCH_S)
+
+
+def watch(collector: Collector, experiment: Experiment, show: Callable[[float], None]) -> None:
+    """Until the supervisor ends or trips the trial; `show` gets the seconds of the trial. CellError on silence."""
+    began, last_number, heard = False, -1, time.monotonic()
+    while True:
+        time.sleep(_WATCH_S)
+        permit, sample = collector.permits.peek(), collector.samples.peek()
+        if isinstance(sample, Received) and sample.body.number != last_number:
+            last_number, heard = sample.body.number, time.monotonic()
+            if sample.body.tick != NO_TRIAL:
+                show(sample.body.trial_time_ns * 1e-9)
+        if isinstance(permit, Received):
+            began = began or permit.body.mode == Mode.RUNNING
+            if permit.body.mode == Mode.TRIPPED or (began and permit.body.mode == Mode.DISARMED):
+                return
+        if time.monotonic() - heard > _SILENCE_S:
+            raise CellError("the plant has fallen silent; see `hydrohil status`")
+
+
+def run_live(bus: Bus, experiment: Experiment, seed: int, clock: str, show: Callable[[float], None]) -> Live:
+    """Load, arm, start, watch to the end; always disarms."""
+    run = load(bus, experiment, seed, clock)
+    collector = Collector(bus)
+    try:
+        arm(bus)
+        ask(bus, "supervisor", "start")
+        watch(collector, experiment, show)
+    except (KeyboardInterrupt, CellError):
+        bus.ask("supervisor", "stop", {}, 1.0)
+        raise
+    time.sleep(_WATCH_S)  # the last answers are under way
+    found = statuses(bus)
+    supervisor = found.get("supervisor", {})
+    ticks = duration_ticks(experiment.duration_s, experiment.plant)
+    try:
+        trace, gap = collector.trace(run, ticks), ""
+    except GapError as error:
+        trace, gap = None, str(error)
+    tripped = str(supervisor.get("words", "")) if supervisor.get("mode") == Mode.TRIPPED.name else ""
+    if trace is not None and not tripped and len(trace.tick) != ticks:
+        trace, gap = None, f"the trial ended after {len(trace.tick)} of {ticks} samples"
+    return Live(trace, gap, tripped, found)

@@ -1,0 +1,119 @@
+import signal
+import socket
+import subprocess
+import sys
+import time
+from pathlib import Path
+from typing import Any
+
+import pytest
+from recorder_trial import BIAS_TICKS, trial
+from rerun.chunk import RrdReader
+from test_recorder_recording import read
+
+from services.recorder import service
+from services.recorder.recorder import Recorder
+from shared.bus import Bus, Request
+
+
+class Asked:
+    """A request, and what was answered."""
+
+    def __init__(self, recorder: Recorder, folder: Path, verb: str, **arguments: Any):
+        self.answers: list[tuple[bool, str, dict[str, Any]]] = []
+        service._answer(recorder, [], folder, Request(verb, arguments, lambda *answer: self.answers.append(answer)))
+        ((self.accepted, self.reason, self.values),) = self.answers  # exactly one
+
+
+def test_record_status_and_finish_are_answered_with_what_was_written(tmp_path: Path):
+    recorder = Recorder("bench")
+    assert Asked(recorder, tmp_path, "record", path="a/b.rrd", title="t").values["path"] == str(tmp_path / "a" / "b.rrd")
+    recorder.take(trial(20))
+    assert Asked(recorder, tmp_path, "status").values["received"]["plant/sample plant"]["received"] == 20 + BIAS_TICKS + 30
+    finished = Asked(recorder, tmp_path, "finish", summary_markdown="# PASS").values
+    assert finished["gaps"] == 0
+    assert finished["bytes"] == (tmp_path / "a" / "b.rrd").stat().st_size
+
+
+@pytest.mark.parametrize("path", ["", "trial.txt", "a/b"])
+def test_a_name_that_is_no_recording_is_refused(tmp_path: Path, path: str):
+    asked = Asked(Recorder("bench"), tmp_path, "record", path=path)
+    assert not asked.accepted
+    assert "ends in .rrd" in asked.reason
+    assert list(tmp_path.iterdir()) == []
+
+
+def test_a_folder_that_cannot_be_made_is_refused_with_its_name(tmp_path: Path):
+    (tmp_path / "file").write_text("")
+    asked = Asked(Recorder("bench"), tmp_path, "record", path="file/x.rrd", title="t")
+    assert not asked.accepted
+    assert "file" in asked.reason
+
+
+def test_an_unknown_request_is_refused_with_the_known_ones(tmp_path: Path):
+    asked = Asked(Recorder("bench"), tmp_path, "rewind")
+    assert not asked.accepted
+    assert "record, finish, status" in asked.reason
+
+
+def test_the_shell_imports_no_rerun_before_it_starts():
+    code = "import sys, services.recorder.service; sys.exit('rerun' in sys.modules)"
+    assert subprocess.run([sys.executable, "-c", code], check=False).returncode == 0
+
+
+def free_ports() -> int:
+    with socket.socket() as probe:
+        probe.bind(("127.0.0.1", 0))
+        return int(probe.getsockname()[1])
+
+
+SENT = 400 + BIAS_TICKS + 30
+
+
+def started(plant: Bus, port: int, folder: Path) -> subprocess.Popen[bytes]:
+    """A recorder that records into run.rrd from its start, once it hears the plant."""
+    arguments = ["--port", str(port), "--folder", str(folder), "--rrd", "run.rrd"]
+    process = subprocess.Popen([sys.executable, "-m", "services.recorder", *arguments])
+    deadline = time.monotonic() + 20.0
+    while "recorder" not in plant.alive() and time.monotonic() < deadline:
+        time.sleep(0.1)
+    time.sleep(0.5)  # its subscriptions follow its token
+    return process
+
+
+def publish(plant: Bus) -> None:
+    """A trial's samples and truths; then time to write them."""
+    for message in trial(400):
+        if message.header.sender == "plant":
+            plant.publish(message.topic, message.body, (message.header.echo_number, 0))
+            time.sleep(0.0005)
+    time.sleep(1.0)
+
+
+@pytest.mark.live
+@pytest.mark.parametrize("number", [signal.SIGTERM, signal.SIGINT])
+def test_a_recorder_told_to_stop_leaves_a_whole_file(tmp_path: Path, number: signal.Signals):
+    port = free_ports()
+    with Bus("plant", "bench", port, 1) as plant:
+        process = started(plant, port, tmp_path)
+        try:
+            publish(plant)
+        finally:
+            process.send_signal(number)
+            assert process.wait(20.0) == 0
+    assert RrdReader(tmp_path / "run.rrd").store() is not None
+    assert len(read(tmp_path / "run.rrd", "topic/plant/sample", "sample")[0]) == SENT
+
+
+@pytest.mark.live
+def test_a_recorder_killed_outright_leaves_every_batch_that_was_written(tmp_path: Path):
+    port = free_ports()
+    with Bus("plant", "bench", port, 1) as plant:
+        process = started(plant, port, tmp_path)
+        try:
+            publish(plant)
+        finally:
+            process.kill()
+            process.wait(20.0)
+    with pytest.warns(Warning):  # no footer
+        assert len(read(tmp_path / "run.rrd", "topic/plant/sample", "sample")[0]) == SENT
