@@ -264,6 +264,17 @@ def _circle() -> tuple[Claim, ...]:
             'stiffest setting."',
         ),
         Claim(
+            "The control does not bang while the tool presses down",
+            "control_reversals",
+            "q2",
+            "below",
+            4.5,
+            7.0,
+            "counts",
+            high=1.0,
+            source='thesis 5.5: "The controller demonstrated no instability upon striking the plate, even at its stiffest setting."',
+        ),
+        Claim(
             "The control oscillates just before contact is lost",
             "control_swings",
             "q2",

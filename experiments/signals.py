@@ -15,6 +15,7 @@ CHANNELS: tuple[ChannelName, ...] = get_args(ChannelName)
 
 _ROTATE, _DOWN_UP, _OUT_IN, _, _ = UNIMATE_ENCODERS
 COUNT_RAD = (abs(_ROTATE.scale), abs(_DOWN_UP.scale), abs(_OUT_IN.scale))  # third in m
+NAN = float("nan")  # a window that does not determine a number
 TAIL = 0.1  # the last tenth of a window tells its final value
 STILL = 1e-9  # a set-point that changes by less from sample to sample stands still (rad, m, N)
 

@@ -73,7 +73,7 @@ def play_local(experiment: Experiment, seed: int, limits: GateLimits | None = No
         _compiled["play"] = compiled(play)
     watch, gate, rows = _compiled["play"](made, control_start(made.control), table, noise_n, intervals, out)
     return Outcome(
-        Columns(*(column[:rows] for column in out)),
+        _rows(out, slice(rows)),
         made.first_tick,
         made.latch_substeps * SUBSTEP_NS,
         SupervisorMemory(*watch),
@@ -81,9 +81,14 @@ def play_local(experiment: Experiment, seed: int, limits: GateLimits | None = No
     )
 
 
+def _rows(out: Columns, chosen: slice) -> Columns:
+    values: dict[str, Any] = {name: column[chosen] for name, column in out._asdict().items()}
+    return Columns(**values)
+
+
 def trace_of(outcome: Outcome) -> Trace:
     """The rows from tick 0 on, as a trace."""
-    rows = Columns(*(column[-outcome.first_tick :] for column in outcome.rows))
+    rows = _rows(outcome.rows, slice(-outcome.first_tick, None))
     shared = {name: getattr(rows, name) for name in Trace._fields if name in Columns._fields}
     return Trace(
         t_s=rows.time_ns / NS_PER_S,

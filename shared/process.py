@@ -60,8 +60,13 @@ def serve(service: str, options: Options, run: Callable[[Bus, Callable[[], bool]
     granted = claim(realtime=options.realtime)
     try:
         with Bus(service, options.cell, options.port, draw_number(), blocking=options.blocking) as bus:
+
+            def end(received: int, _frame: object) -> None:
+                stop.append(received)
+                bus.wake()
+
             for number in (signal.SIGINT, signal.SIGTERM, signal.SIGHUP):
-                signal.signal(number, lambda received, _frame: (stop.append(received), bus.wake()))
+                signal.signal(number, end)
             quiet_garbage_collection()
             print(f"{service}: cell {options.cell!r}, port {options.port}, {scheduling(granted)}", flush=True)
             run(bus, lambda: bool(stop))

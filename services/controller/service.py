@@ -16,7 +16,7 @@ from shared.process import options_of, parser, serve
 
 IDLE = ControllerConfig(target="joint")
 _WAKE_S = 0.1
-_NO_FIRST_TICK = -1
+_NO_FIRST_TICK = 0  # no trial is loaded: the law never runs
 
 
 class Controller:
@@ -27,7 +27,8 @@ class Controller:
         self.bus = bus
         self.samples, self.abouts = bus.subscribe("plant/sample"), bus.subscribe("plant/about")
         self.about: About | None = None
-        self.config, self.reference, self.first_tick = IDLE, (), _NO_FIRST_TICK
+        self.config, self.first_tick = IDLE, _NO_FIRST_TICK
+        self.reference: Reference = ()
         self.pending: tuple[Envelope, ControllerConfig, Reference] | None = None
         self.answered = 0
 

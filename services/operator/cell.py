@@ -37,7 +37,10 @@ class Place(NamedTuple):
         return Path(os.environ.get("HYDROHIL_CACHE", Path.home() / ".cache" / "hydrohil")) / "cells" / self.cell
 
 
-def start(place: Place, services: Iterable[str], *, with_parent: bool, extra: dict[str, list[str]]) -> dict[str, subprocess.Popen[bytes]]:
+Processes = dict[str, subprocess.Popen[bytes]]
+
+
+def start(place: Place, services: Iterable[str], *, with_parent: bool, extra: dict[str, list[str]]) -> Processes:
     """Start services in the background; their output goes to one log each."""
     place.folder.mkdir(parents=True, exist_ok=True)
     started = {}
@@ -51,7 +54,7 @@ def start(place: Place, services: Iterable[str], *, with_parent: bool, extra: di
     return started
 
 
-def remember(place: Place, started: dict[str, subprocess.Popen[bytes]]) -> None:
+def remember(place: Place, started: Processes) -> None:
     """Write down what `up` started, for `down`."""
     pids = {service: process.pid for service, process in started.items()}
     (place.folder / "cell.json").write_text(json.dumps({"port": place.port, "pids": pids}))
@@ -139,7 +142,7 @@ def statuses(bus: Bus, services: Iterable[str] = SERVICES, timeout_s: float = 1.
 
 
 def await_ready(
-    place: Place, bus: Bus, started: dict[str, subprocess.Popen[bytes]] | None = None, timeout_s: float = _READY_S
+    place: Place, bus: Bus, started: Processes | None = None, timeout_s: float = _READY_S
 ) -> dict[str, dict[str, Any]]:
     """Until plant, controller and supervisor are ready; raises CellError naming who is not, or who has died."""
     deadline = time.monotonic() + timeout_s

@@ -12,7 +12,9 @@ import typer
 from rich.console import Console
 
 from shared.bus import DEFAULT_PORT
+from shared.messages import GateState
 from shared.process import EXIT_TRANSPORT, EXIT_TRIPPED, EXIT_USAGE
+from shared.topics import SERVICES
 
 app = typer.Typer(
     help="Distributed hardware-in-the-loop rig for force-controlled hydraulic manipulators.",
@@ -64,7 +66,7 @@ def supervisor(context: typer.Context) -> None:
 @app.command(context_settings=_PASS_ON)
 def recorder(context: typer.Context) -> None:
     """Run the recorder in the foreground."""
-    from services.recorder.main import main as run_recorder
+    from services.recorder.service import main as run_recorder
 
     raise typer.Exit(run_recorder(context.args))
 
@@ -86,18 +88,18 @@ def up(
     if cells.remembered(place):
         raise fail(f"cell {cell!r} is up already: `hydrohil status`, or `hydrohil down` first", EXIT_USAGE)
     began = time.monotonic()
-    started = cells.start(place, cells.SERVICES, with_parent=False, extra=_extra(permit_ttl_ms, realtime=realtime))
+    started = cells.start(place, SERVICES, with_parent=False, extra=_extra(permit_ttl_ms, realtime=realtime))
     cells.remember(place, started)
     try:
-        with console.status("starting: compiling on the first start, then two seconds to measure this host"):
-            with cells.operator_bus(place) as bus:
-                found = cells.await_ready(place, bus, started)
+        with console.status("starting: compiles once, then measures this host for two seconds"), cells.operator_bus(place) as bus:
+            found = cells.await_ready(place, bus, started)
     except (cells.CellError, KeyboardInterrupt) as error:
         cells.stop(process.pid for process in started.values())
         raise fail(str(error) or "interrupted: stopped what was started", EXIT_TRANSPORT) from None
     lease_ms = found["plant"]["lease_ms"]
     console.print(
-        f"cell {cell!r} ready in {time.monotonic() - began:.2f} s; lease {lease_ms:.1f} ms; logs in {place.folder}", soft_wrap=True
+        f"cell {cell!r} ready in {time.monotonic() - began:.2f} s; lease {lease_ms:.1f} ms; logs in {place.folder}",
+        soft_wrap=True,
     )
 
 
@@ -132,7 +134,7 @@ def status(cell: CellName = "cell", port: Port = DEFAULT_PORT, as_json: AsJson =
         print(json.dumps(found, indent=2))
     else:
         table = Table("service", "state")
-        for service in cells.SERVICES:
+        for service in SERVICES:
             table.add_row(service, _words(service, found.get(service)))
         console.print(table)
     if not all(service in found for service in cells.LOOP):
@@ -149,7 +151,11 @@ def list_experiments(as_json: AsJson = False) -> None:
     from experiments.library import catalogue
 
     if as_json:
-        print(json.dumps([{"name": e.name, "alias": e.alias, "title": e.title, "claims": len(e.claims)} for e in catalogue()], indent=2))
+        print(
+            json.dumps(
+                [{"name": e.name, "alias": e.alias, "title": e.title, "claims": len(e.claims)} for e in catalogue()], indent=2
+            )
+        )
         return
     table = Table("name", "alias", "title", "claims")
     for experiment in catalogue():
@@ -347,7 +353,8 @@ def _words(service: str, found: dict[str, Any] | None) -> str:
     if service == "supervisor":
         return f"{found['mode']}  {found['words']}"
     if service == "plant":
-        return f"sample {found['number']}, gate {'open' if found['gate'] == 1 else 'shut: ' + found['gate_cause']}, lease {found['lease_ms']} ms"
+        gate = "open" if found["gate"] == GateState.OPEN else f"shut: {found['gate_cause']}"
+        return f"sample {found['number']}, gate {gate}, lease {found['lease_ms']} ms"
     if service == "controller":
         return f"law {found['law']}, {found['answered']} samples answered"
     return str(found.get("recording", {}).get("path") or "no recording open")

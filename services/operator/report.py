@@ -74,7 +74,10 @@ def latency_table(latencies: dict[str, Any]) -> Table:
     table = Table(title="latencies", title_justify="left")
     for column in ("", "p50 us", "p99 us", "max us"):
         table.add_column(column, justify="left" if not column else "right")
-    for name, key in (("sample -> command accepted", "sample_to_accepted_us"), ("lateness of the plant's wake-ups", "lateness_us")):
+    for name, key in (
+        ("sample -> command accepted", "sample_to_accepted_us"),
+        ("lateness of the plant's wake-ups", "lateness_us"),
+    ):
         values = latencies.get(key) or {}
         table.add_row(name, *(f"{values[p]:.0f}" if p in values else "-" for p in ("p50", "p99", "max")))
     for key in ("samples", "late_commands", "unanswered", "late_permits", "grid_shifts"):

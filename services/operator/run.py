@@ -7,7 +7,7 @@ from typing import Any, NamedTuple
 from rich.console import Console
 from rich.progress import BarColumn, Progress, TextColumn, TimeRemainingColumn
 
-from experiments.claims import judge
+from experiments.claims import Verdict, judge
 from experiments.experiment import Experiment
 from experiments.trace import Trace, save
 from rollout.rollout import play_local, trace_of
@@ -17,6 +17,7 @@ from services.operator.session import Live, run_live
 from services.supervisor.rules import WORDS
 from shared.bus import Bus
 from shared.messages import Mode, TripCause
+from shared.topics import SERVICES
 
 
 class Wanted(NamedTuple):
@@ -56,10 +57,12 @@ def _in_cell(place: cells.Place, wanted: Wanted, console: Console) -> Report:
             running = bus.alive() & set(cells.LOOP)
         if running and running != set(cells.LOOP):
             missing = sorted(set(cells.LOOP) - running)
-            raise cells.CellError(f"the cell has no {' and no '.join(missing)}: start it (`hydrohil {missing[0]}`), or `hydrohil down`")
+            raise cells.CellError(
+                f"the cell has no {' and no '.join(missing)}: start it (`hydrohil {missing[0]}`), or `hydrohil down`"
+            )
         started = {}
         if not running:
-            started = cells.start(place, cells.SERVICES, with_parent=True, extra=wanted.extra)
+            started = cells.start(place, SERVICES, with_parent=True, extra=wanted.extra)
         try:
             with console.status("waiting for the cell: it measures this host for two seconds"):
                 cells.await_ready(place, bus, started)
@@ -82,7 +85,12 @@ def _run_and_record(bus: Bus, wanted: Wanted, console: Console) -> Report:
 
 
 def _progress(console: Console) -> Progress:
-    columns = (TextColumn("{task.description}"), BarColumn(), TextColumn("{task.completed:.1f} of {task.total:.1f} s"), TimeRemainingColumn())
+    columns = (
+        TextColumn("{task.description}"),
+        BarColumn(),
+        TextColumn("{task.completed:.1f} of {task.total:.1f} s"),
+        TimeRemainingColumn(),
+    )
     return Progress(*columns, console=console)
 
 
@@ -92,7 +100,9 @@ def _start_recording(bus: Bus, wanted: Wanted, console: Console) -> bool:
         return False
     title = f"{wanted.experiment.name}: {wanted.experiment.title}"
     try:
-        made = cells.ask(bus, "recorder", "record", 10.0, path=str(wanted.rrd.resolve()), title=title, summary_markdown=f"# {title}")
+        made = cells.ask(
+            bus, "recorder", "record", 10.0, path=str(wanted.rrd.resolve()), title=title, summary_markdown=f"# {title}"
+        )
     except cells.CellError as error:
         console.print(f"[yellow]no recording[/]: {error}", highlight=False)
         return False
@@ -120,7 +130,7 @@ def _latencies(live: Live) -> dict[str, Any]:
 
 def _report(wanted: Wanted, trace: Trace | None, tripped: str, gap: str, wall_s: float, latencies: dict[str, Any]) -> Report:
     """Judge the trace and write it."""
-    verdicts = ()
+    verdicts: tuple[Verdict, ...] = ()
     if trace is not None:
         if wanted.trace is not None:
             save(trace, wanted.trace)

@@ -95,11 +95,11 @@ def run_live(bus: Bus, experiment: Experiment, seed: int, clock: str, show: Call
     found = statuses(bus)
     supervisor = found.get("supervisor", {})
     ticks = duration_ticks(experiment.duration_s, experiment.plant)
-    try:
-        trace, gap = collector.trace(run, ticks), ""
-    except GapError as error:
-        trace, gap = None, str(error)
     tripped = str(supervisor.get("words", "")) if supervisor.get("mode") == Mode.TRIPPED.name else ""
-    if trace is not None and not tripped and len(trace.tick) != ticks:
-        trace, gap = None, f"the trial ended after {len(trace.tick)} of {ticks} samples"
-    return Live(trace, gap, tripped, found)
+    try:
+        trace = collector.trace(run, ticks)
+    except GapError as error:
+        return Live(None, str(error), tripped, found)
+    if not tripped and len(trace.tick) != ticks:
+        return Live(None, f"the trial ended after {len(trace.tick)} of {ticks} samples", tripped, found)
+    return Live(trace, "", tripped, found)

@@ -6,7 +6,8 @@ from collections.abc import Callable
 from services.plant.config import GateLimits
 from services.plant.device import Timeline
 from services.plant.emulator import Emulator
-from services.plant.service import MAX_LEASE_NS, PeerSilentError, Plant
+from services.plant.lease import MAX_LEASE_NS
+from services.plant.service import PeerSilentError, Plant
 from shared.bus import Bus
 from shared.process import EXIT_TRANSPORT, options_of, parser, serve
 from shared.units import SUBSTEP_NS
@@ -18,7 +19,9 @@ GAUGE_RANGE_N = 700.0
 def main(arguments: list[str] | None = None) -> int:
     """Run until a signal; returns the exit status."""
     line = parser("plant", __doc__)
-    line.add_argument("--permit-ttl-ms", type=float, help="lease of permits and commands; default: chosen from this host's lateness")
+    line.add_argument(
+        "--permit-ttl-ms", type=float, help="lease of permits and commands; default: chosen from this host's lateness"
+    )
     line.add_argument("--gate-force-limit-n", type=float, default=420.0, help="raw force at which the gate cuts by itself (420)")
     given = line.parse_args(arguments)
     options = options_of(given)
@@ -27,7 +30,9 @@ def main(arguments: list[str] | None = None) -> int:
         lease_ns = int(given.permit_ttl_ms * _NS_PER_MS)
         limits = limits._replace(permit_ttl_ns=lease_ns, command_ttl_ns=lease_ns)
     if not 0 < limits.permit_ttl_ns <= MAX_LEASE_NS or not 0.0 < limits.force_limit_n <= GAUGE_RANGE_N:
-        line.error(f"the lease must be in 0..{MAX_LEASE_NS // _NS_PER_MS} ms and the gate's force limit in 0..{GAUGE_RANGE_N:g} N")
+        line.error(
+            f"the lease must be in 0..{MAX_LEASE_NS // _NS_PER_MS} ms and the gate's force limit in 0..{GAUGE_RANGE_N:g} N"
+        )
     timeline = Timeline()
     emulator = Emulator(timeline, limits.permit_ttl_ns // SUBSTEP_NS)
     silent: list[str] = []

@@ -15,7 +15,7 @@ from shared.codec import Received
 from shared.converters import UNIMATE_CONVERTERS
 from shared.messages import About, Command, ControllerState, GateEvent, Permit, Sample
 
-BATCH_ROWS = 256  # a batch is a chunk of the file with about 1 kB around it; the shell flushes after 50 rows' time at 222 Hz
+BATCH_ROWS = 256  # a batch is a chunk of the file with about 1 kB around it; `flush` comes earlier at slow rates
 ANSWER_LATENCY = "figure/latency/answer"
 
 

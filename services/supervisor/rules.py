@@ -211,7 +211,7 @@ WORDS = {rule.cause: rule.words for rule in RULES} | {
 
 def fold(rules: tuple[Rule, ...]) -> Callable[[Observed, Limits], tuple[int, float, float]]:
     """One kernel of all rows: (cause, measured, limit) of the first that does not hold, (0, 0, 0) if all do."""
-    chain = _nothing_broken
+    chain: Callable[[Observed, Limits], tuple[int, float, float]] = _nothing_broken
     for rule in reversed(rules):
         chain = _before(rule.holds, int(rule.cause), kernel(rule.measured), kernel(rule.limit), chain)
     return chain

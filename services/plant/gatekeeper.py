@@ -1,0 +1,94 @@
+"""Permits and commands from the bus, through the gate, to the device; every change of mind is published."""
+
+from collections.abc import Callable
+
+from services.plant.config import GateLimits
+from services.plant.counters import Counters
+from services.plant.device import Device, Timeline
+from services.plant.gate import GateInput, GateMemory, gate_step
+from services.plant.ledger import Ledger
+from services.plant.mailbox import Mailbox
+from shared.bus import Bus, Inbox
+from shared.codec import Received
+from shared.converters import N_PER_FORCE_COUNT
+from shared.messages import NO_TRIAL, GateCause, GateEvent
+from shared.units import SUBSTEP_NS
+
+
+class Gatekeeper:
+    """The only one who writes to the device."""
+
+    def __init__(self, bus: Bus, device: Device, timeline: Timeline, limits: GateLimits, counters: Counters) -> None:
+        """Shut: nothing moves before a permit and a command allow it."""
+        self.limits = limits
+        self.ledger = Ledger()
+        self.mailbox = Mailbox(self.ledger)
+        self.commands: Inbox = bus.subscribe("controller/command")
+        self.permits: Inbox = bus.subscribe("supervisor/permit")
+        self.gate = GateMemory()
+        self.estop = False
+        self.force_counts = 0
+        self.late_substeps = self.command_age_ns = 0
+        self._bus, self._device, self._timeline, self._counters = bus, device, timeline, counters
+
+    def begin_trial(self) -> None:
+        """Gate history starts anew; what was burned stays burned."""
+        self.gate = GateMemory(burned=self.gate.burned)
+        self.late_substeps = 0
+
+    def receive_permits(self) -> None:
+        """Hold the newest permit."""
+        for message in self.permits.take():
+            self.mailbox.take_permit(message, self._bus.run)
+
+    def receive_in_step(self, latch_ns: int) -> None:
+        """Lockstep: hold the newest command; its age is simulated time."""
+        self.receive_permits()
+        for message in self.commands.take():
+            if self.mailbox.take_command(message, self._bus.run):
+                self.command_age_ns = latch_ns
+
+    def receive(self, now_ns: int, *, at_latch: bool, late: Callable[[Received], None]) -> None:
+        """Real clock: hold the newest command; `late` is called for one that answers an older sample."""
+        self.receive_permits()
+        for message in self.commands.take():
+            if not self.mailbox.take_command(message, self._bus.run):
+                continue
+            self.command_age_ns = self.mailbox.command_seen(now_ns).age_ns - (now_ns - message.arrival_ns)
+            if not at_latch or message.header.echo_number < self._timeline.number:
+                late(message)
+            elif self._timeline.tick != NO_TRIAL:
+                self._counters.command_age_ns.append(self.command_age_ns)
+
+    def judge(self, now_ns: int, *, at_latch: bool, overslept: bool = False) -> None:
+        """Let the gate decide on what is held, and write what it gives."""
+        seen = GateInput(
+            self.mailbox.permit_seen(now_ns),
+            self.mailbox.command_seen(now_ns),
+            self.force_counts,
+            self.force_counts * N_PER_FORCE_COUNT,
+            self._timeline.tick,
+            self.estop,
+            overslept,
+        )
+        before, self.gate = self.gate, gate_step(self.gate, self.limits, seen, at_latch)
+        self._device.write(self.gate.codes)
+        if (before.state, before.cause) != (self.gate.state, self.gate.cause):
+            self._tell(seen)
+
+    def _tell(self, seen: GateInput) -> None:
+        number, tick = self._timeline.number, self._timeline.tick
+        measured, limit = numbers(self.gate.cause, seen, self.limits)
+        event = GateEvent(number, tick, self.gate.state, self.gate.cause, measured, limit)
+        self._bus.publish("plant/gate", event, (number, self._timeline.substep * SUBSTEP_NS))
+
+
+def numbers(cause: int, seen: GateInput, limits: GateLimits) -> tuple[float, float]:
+    """Measured value and limit behind a decision; zeros where there is no number."""
+    known = {
+        GateCause.PERMIT_STALE: (seen.permit.age_ns / 1e9, limits.permit_ttl_ns / 1e9),
+        GateCause.COMMAND_STALE: (seen.command.age_ns / 1e9, limits.command_ttl_ns / 1e9),
+        GateCause.FORCE_ABOVE_LIMIT: (seen.force_n, limits.force_limit_n),
+        GateCause.FORCE_INVALID: (float(seen.force_counts), float(limits.max_force_counts)),
+    }
+    return known.get(GateCause(cause), (0.0, 0.0))

@@ -1,0 +1,30 @@
+"""The lease of permits and commands: 20 ms as industrial arms use, or three times this host's worst wake-up."""
+
+import time
+
+from shared.units import NS_PER_S
+
+MEASURED_S = 2.0  # of wake-ups before a lease is chosen
+MIN_LEASE_NS, MAX_LEASE_NS = 20_000_000, 200_000_000
+LEASE_PER_LATENESS = 3
+UNCHOSEN = 0
+
+
+class LeaseChoice:
+    """Measures wake-ups until it can choose."""
+
+    def __init__(self, *, fixed: bool) -> None:
+        """A fixed lease was chosen on the command line."""
+        self.chosen = fixed
+        self._until_ns = time.monotonic_ns() + int(MEASURED_S * NS_PER_S)
+        self._worst_ns = 0
+
+    def after(self, late_ns: int) -> int:
+        """Take one wake-up's lateness in; the lease in ns when it is chosen now, otherwise UNCHOSEN."""
+        if self.chosen:
+            return UNCHOSEN
+        self._worst_ns = max(self._worst_ns, late_ns)
+        if time.monotonic_ns() < self._until_ns:
+            return UNCHOSEN
+        self.chosen = True
+        return min(max(MIN_LEASE_NS, LEASE_PER_LATENESS * self._worst_ns), MAX_LEASE_NS)

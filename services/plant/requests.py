@@ -1,0 +1,91 @@
+"""What an operator may ask of the plant. Loading has two phases; nothing here can open the gate."""
+
+import gc
+import os
+from typing import TYPE_CHECKING, Any
+
+from services.plant.about import about
+from services.plant.config import PlantConfig
+from services.plant.trial import Schedule
+from shared.bus import Request, Run
+from shared.envelope import section, unseal
+from shared.messages import GateCause
+
+if TYPE_CHECKING:
+    from services.plant.service import Plant
+
+
+def answer(plant: "Plant", request: Request) -> None:
+    """Answer one request."""
+    known = {"load": _load, "commit": _commit, "estop": _estop, "reset": _reset, "status": _status}
+    handler = known.get(request.verb)
+    if handler is None:
+        request.refuse(f"the plant knows no request {request.verb!r}; it knows {', '.join(known)}")
+    else:
+        handler(plant, request)
+
+
+def _load(plant: "Plant", request: Request) -> None:
+    if plant.keeper.mailbox.arming:
+        return request.refuse("a trial is armed or running: stop it first (`hydrohil stop`)")
+    try:
+        envelope = unseal(str(request.arguments.get("envelope")))
+        schedule = Schedule(section(envelope, "plant", PlantConfig), envelope)
+        about(schedule.config, plant.keeper.limits)
+    except ValueError as error:
+        return request.refuse(str(error))
+    plant.pending = schedule
+    return request.reply({"digest": envelope.digest.hex()})
+
+
+def _commit(plant: "Plant", request: Request) -> None:
+    schedule = plant.pending
+    if schedule is None or schedule.envelope is None or schedule.envelope.digest.hex() != request.arguments.get("digest"):
+        return request.refuse("nothing with this hash was loaded: load it first")
+    if plant.keeper.mailbox.arming:
+        return request.refuse("a trial is armed or running: stop it first (`hydrohil stop`)")
+    envelope = schedule.envelope
+    plant.device.load(schedule.config, envelope.seed, schedule.first_tick, schedule.ticks)
+    plant.schedule = schedule
+    plant.bus.run = Run(envelope.run, envelope.digest, 0)
+    gc.collect()
+    plant.grid.restart_at(plant.due)
+    plant.tell_about()
+    return request.reply({"digest": envelope.digest.hex()})
+
+
+def _estop(plant: "Plant", request: Request) -> None:
+    plant.keeper.estop = True
+    plant.keeper.judge(0, at_latch=False)
+    request.reply({"dac_counts": list(plant.keeper.gate.codes)})
+
+
+def _reset(plant: "Plant", request: Request) -> None:
+    plant.keeper.estop = False
+    request.reply({})
+
+
+def _status(plant: "Plant", request: Request) -> None:
+    keeper = plant.keeper
+    values: dict[str, Any] = plant.status()
+    request.reply(
+        values
+        | {
+            "pid": os.getpid(),
+            "gate": keeper.gate.state,
+            "gate_cause": GateCause(keeper.gate.cause).name,
+            "dac_counts": list(keeper.gate.codes),
+            "estop": keeper.estop,
+            "experiment": plant.bus.run.experiment.hex(),
+            "run": plant.bus.run.run,
+            "discarded": {
+                "controller/command": dict(keeper.commands.acceptance.discarded),
+                "supervisor/permit": dict(keeper.permits.acceptance.discarded),
+                "other_run": keeper.mailbox.foreign_runs,
+            },
+            "lost": {
+                "controller/command": keeper.commands.acceptance.lost,
+                "supervisor/permit": keeper.permits.acceptance.lost,
+            },
+        }
+    )
