@@ -30,7 +30,7 @@ FIRST_FIGURE: dict[Law, int] = {"pi": 2, "morse": 7, "vetia": 16, "final": 21}  
 PATTERNS: tuple[Pattern, ...] = ("large-ramp", "large-step", "small-ramp", "small-step", "sine")  # in the figures' order
 
 
-class Test(NamedTuple):
+class Trajectory(NamedTuple):
     """A pattern of link 2: where it starts, what it does, how long."""
 
     start_deg: float
@@ -39,7 +39,7 @@ class Test(NamedTuple):
 
 
 def ramps(start_s: float, height_deg: float, speed_deg_per_s: float, blend_s: float) -> tuple[Segment, ...]:
-    """Up and back at a constant speed, with parabolic (smooth) accelerations."""
+    """There and back at a constant speed, with parabolic (smooth) accelerations."""
     duration_s = height_deg / speed_deg_per_s + blend_s
     height_rad = height_deg * RAD_PER_DEG
     return (
@@ -49,7 +49,7 @@ def ramps(start_s: float, height_deg: float, speed_deg_per_s: float, blend_s: fl
 
 
 def steps(start_s: float, height_deg: float) -> tuple[Segment, ...]:
-    """Up and back at once."""
+    """There and back at once."""
     height_rad = height_deg * RAD_PER_DEG
     return (
         Segment("q2", "step", start_s, amount=height_rad),
@@ -59,18 +59,18 @@ def steps(start_s: float, height_deg: float) -> tuple[Segment, ...]:
 
 SINE_S = 20.0
 DECREASING_SINE = Segment("q2", "sine", 0.0, SINE_S, 1.0 * RAD_PER_DEG, frequency_hz=1.0, amount_end=0.0)
-TESTS: dict[Pattern, Test] = {
-    "large-ramp": Test(-10.0, ramps(claims4.START_S, claims4.LARGE_DEG, 10.0, 0.5)),
-    "large-step": Test(-10.0, steps(claims4.START_S, claims4.LARGE_DEG)),
-    "small-ramp": Test(0.0, ramps(claims4.START_S, 0.69, 0.25, 0.1)),
-    "small-step": Test(0.0, steps(claims4.START_S, claims4.SMALL_DEG)),
-    "sine": Test(0.0, (DECREASING_SINE,), SINE_S),
+TRAJECTORIES: dict[Pattern, Trajectory] = {
+    "large-ramp": Trajectory(-10.0, ramps(claims4.START_S, claims4.LARGE_DEG, 10.0, 0.5)),
+    "large-step": Trajectory(-10.0, steps(claims4.START_S, claims4.LARGE_DEG)),
+    "small-ramp": Trajectory(0.0, ramps(claims4.START_S, 0.69, 0.25, 0.1)),
+    "small-step": Trajectory(0.0, steps(claims4.START_S, claims4.SMALL_DEG)),
+    "sine": Trajectory(0.0, (DECREASING_SINE,), SINE_S),
 }
 
 
 def experiment(law: Law, pattern: Pattern) -> Experiment:
     """One of the 25 trials, named after its figure where it has one."""
-    test, descriptive = TESTS[pattern], f"{law}-{pattern}"
+    trajectory, descriptive = TRAJECTORIES[pattern], f"{law}-{pattern}"
     figure = f"4-{FIRST_FIGURE[law] + PATTERNS.index(pattern)}" if law in FIRST_FIGURE else ""
     words = "decreasing sine wave" if pattern == "sine" else pattern.replace("-", " ")
     return Experiment(
@@ -78,10 +78,10 @@ def experiment(law: Law, pattern: Pattern) -> Experiment:
         alias=descriptive,
         title=f"{LAW_TITLES[law]}, {words} pattern",
         source=f"thesis figure {figure}" if figure else "thesis 4.5.1, in words",
-        duration_s=test.duration_s,
-        plant=PlantConfig(initial_q_rad=(0.0, test.start_deg * RAD_PER_DEG, Q3_M), jitter_substeps=JITTER_SUBSTEPS),
+        duration_s=trajectory.duration_s,
+        plant=PlantConfig(initial_q_rad=(0.0, trajectory.start_deg * RAD_PER_DEG, Q3_M), jitter_substeps=JITTER_SUBSTEPS),
         controller=ControllerConfig(law=law, target="joint"),
-        reference=test.reference,
+        reference=trajectory.reference,
         claims=claims4.CLAIMS[descriptive],
     )
 

@@ -10,6 +10,7 @@ from experiments.signals import LINKS, ChannelName
 from experiments.trace import Trace, window
 from shared.units import A_PER_MA, RAD_PER_DEG
 
+ROUNDING = 1e-9  # two encoder counts, measured as a difference of angles, are 2 +- a few 1e-15 of a full turn
 LATE_S = 0.1  # jitter adds up: the last sample lies this far before the trial's nominal end at most
 Comparison = Literal["below", "above", "within"]
 Unit = Literal["rad", "deg", "m", "mm", "cm", "N", "A", "mA", "s", "1/s", "1", "%", "counts"]
@@ -64,8 +65,9 @@ def judge(claim: Claim, trace: Trace) -> Verdict:
 
 
 def within_band(claim: Claim, measured: float) -> bool:
-    """Whether `measured`, in the claim's unit, is what the claim states; NaN is not."""
-    above, below = measured >= claim.low, measured <= claim.high
+    """Whether `measured`, in the claim's unit, is what the claim states; on the limit it is, NaN is not."""
+    above = measured >= claim.low - ROUNDING * abs(claim.low)
+    below = measured <= claim.high + ROUNDING * abs(claim.high)
     return {"above": above, "below": below, "within": above and below}[claim.comparison]
 
 

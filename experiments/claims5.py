@@ -53,6 +53,9 @@ _CIRCLE = (
     'thesis 5.5: "forces were below 160N even in the stiff environment, and the transient response to environmental forces '
     'was of less than 5cm in magnitude, and died completely before the plate was struck again."'
 )
+_NO_INSTABILITY = (
+    'thesis 5.5: "The controller demonstrated no instability upon striking the plate, even at its stiffest setting."'
+)
 _CRATE_LAG = (
     'thesis 5.6: "The position trajectory shown in Figure 5-13 was retarded by about 3cm, which is the required deflection '
     'with a mean force of 140N and a target stiffness of 5kN/m."'
@@ -260,8 +263,7 @@ def _circle() -> tuple[Claim, ...]:
             "counts",
             low=1.0,
             high=1.0,
-            source='thesis 5.5: "The controller demonstrated no instability upon striking the plate, even at its '
-            'stiffest setting."',
+            source=_NO_INSTABILITY,
         ),
         Claim(
             "The control does not bang while the tool presses down",
@@ -272,7 +274,7 @@ def _circle() -> tuple[Claim, ...]:
             7.0,
             "counts",
             high=1.0,
-            source='thesis 5.5: "The controller demonstrated no instability upon striking the plate, even at its stiffest setting."',
+            source=_NO_INSTABILITY,
         ),
         Claim(
             "The control oscillates just before contact is lost",

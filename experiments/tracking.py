@@ -46,7 +46,7 @@ def overshoot(trace: Trace, channel: ChannelName) -> float:
 def peak_to_peak_ratio(trace: Trace, channel: ChannelName) -> float:
     """Peak to peak of the signal over that of its set-point."""
     wanted = float(np.ptp(set_point(trace, channel)))
-    return peak_to_peak(trace, channel) / wanted if wanted > 0.0 else NAN
+    return float(np.ptp(measured(trace, channel))) / wanted if wanted > 0.0 else NAN
 
 
 def cycle_ratio(trace: Trace, channel: ChannelName) -> float:

@@ -61,6 +61,9 @@ class Setup(NamedTuple):
     latch_substeps: int
 
 
+_LINKS = ("q_rad", "q_set_rad", "qd_rad_per_s", "qd_set_rad_per_s", "x_m", "x_set_m", "x_nominal_m", "current_a")
+_LINKS_TOO = ("dac_counts", "boosted", "pressure_a_pa", "pressure_b_pa", "true_q_rad")
+_WIDTHS = {"encoder_counts": (5,)} | dict.fromkeys((*_LINKS, *_LINKS_TOO), (3,))
 _ARMING = 1  # any number but 0: the local cell arms once
 _EPOCH = 1
 
@@ -74,12 +77,11 @@ def columns(count: int) -> Columns:
     def integers(*width: int) -> Any:
         return np.zeros((count, *width), dtype=np.int64)
 
-    widths = {"encoder_counts": (5,), "dac_counts": (3,), "boosted": (3,)}
-    wide = ("q_rad", "q_set_rad", "qd_rad_per_s", "qd_set_rad_per_s", "x_m", "x_set_m", "x_nominal_m", "current_a")
-    wide += ("pressure_a_pa", "pressure_b_pa", "true_q_rad")
-    whole = ("tick", "time_ns", "mode", "encoder_counts", "force_counts", "dac_counts", "clamped", "boosted")
-    made = [(integers if name in whole else reals)(*widths.get(name, (3,) if name in wide else ())) for name in Columns._fields]
-    return Columns(*made)
+    def column(name: str, kind: object) -> Any:
+        width = _WIDTHS.get(name, ())
+        return integers(*width) if kind is Integers else reals(*width)
+
+    return Columns(*(column(name, kind) for name, kind in Columns.__annotations__.items()))
 
 
 @kernel
@@ -154,7 +156,7 @@ def write_row(
 
 
 def play(
-    setup: Setup, memory: ControlMemory, table: Reals, noise_n: Reals, intervals: Integers, out: Columns
+    setup: Setup, memory: ControlMemory, table: Any, noise_n: Reals, intervals: Integers, out: Columns
 ) -> tuple[SupervisorMemory, GateMemory, int]:
     """Run every tick; returns the supervisor's and the gate's last state and the number of rows written."""
     state, gate = setup.start, GateMemory(0, 1, (2048, 2048, 2048), -1, 0, 0, 0, 0, (0,) * 16, (0, 0, 0))

@@ -21,7 +21,7 @@ from shared.codec import WIRE_VERSION, Header, Received, Rejected, decode, encod
 from shared.messages import NO_COMMAND, Answer, Ask
 from shared.topics import ANSWER, ASK, BY_KEY, Topic, expression
 
-LISTENERS = ("plant", "controller", "supervisor")  # offset from the cell's first port
+LISTENERS = ("plant", "controller", "supervisor", "recorder")  # offset from the cell's first port
 RING = 64  # frames kept for one step; a ring of one would let a foreign frame push out a valid one
 DEFAULT_PORT = 7450
 HOST = "127.0.0.1"
@@ -130,7 +130,7 @@ class Bus:
 
     def __exit__(self, kind: type[BaseException] | None, error: BaseException | None, trace: TracebackType | None) -> None:
         """Close the session; what was sent is flushed."""
-        self._session.close()
+        self._session.close()  # type: ignore[no-untyped-call]
 
     def _refuse_taken_port(self) -> None:
         service = self.identity.sender
@@ -237,7 +237,7 @@ class Bus:
 
 
 def _config(service: str, port_base: int) -> Any:
-    """Listen on one's own port, connect to every listener started before; recorder and operator only connect."""
+    """Listen on one's own port, connect to every listener started before; the operator only connects."""
     rank = LISTENERS.index(service) if service in LISTENERS else len(LISTENERS)
     listen = [f"tcp/{HOST}:{port_base + rank}"] if service in LISTENERS else []
     connect = [f"tcp/{HOST}:{port_base + i}" for i in range(rank)]

@@ -33,7 +33,7 @@ def parser(service: str, description: str | None) -> argparse.ArgumentParser:
         epilog=f"Example: hydrohil {service} --cell left --port 7550",
     )
     made.add_argument("--cell", default="cell", help="name of the cell; several share one network (cell)")
-    made.add_argument("--port", type=int, default=DEFAULT_PORT, help=f"first of the cell's three ports ({DEFAULT_PORT})")
+    made.add_argument("--port", type=int, default=DEFAULT_PORT, help=f"first of the cell's four ports ({DEFAULT_PORT})")
     made.add_argument("--no-realtime", action="store_true", help="ask for no real-time scheduling")
     made.add_argument("--with-parent", action="store_true", help="end when the starting process ends, however it ends")
     made.add_argument("--blocking", action="store_true", help="wait for room instead of dropping (lockstep)")

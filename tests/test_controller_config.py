@@ -12,10 +12,10 @@ from services.controller.config import (
     impedance_params,
     segment_table,
 )
-from services.controller.kinematics import UNIMATE_GEOMETRY
 from services.controller.params import TARGET_JOINT, UNIMATE_GAINS
 from shared.converters import UNIMATE_CONVERTERS, UNIMATE_ENCODERS, UNIMATE_FORCE
 from shared.messages import About
+from shared.pose import UNIMATE_GEOMETRY
 
 ABOUT = About(
     "unimate", UNIMATE_ENCODERS, UNIMATE_FORCE, UNIMATE_CONVERTERS, 4_500_000, 4_000_000, 20_000_000, 20_000_000, 420.0, 0, -1.0

@@ -4,18 +4,10 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from services.controller.kinematics import (
-    CLAMPED_HIGH,
-    CLAMPED_LOW,
-    CLAMPED_UNREACHABLE,
-    UNIMATE_GEOMETRY,
-    clamp_joints,
-    forward,
-    inverse,
-    joint_positions,
-)
+from services.controller.kinematics import CLAMPED_HIGH, CLAMPED_LOW, CLAMPED_UNREACHABLE, clamp_joints, inverse
 from shared.converters import UNIMATE_ENCODERS, UNIMATE_FORCE, calibration
 from shared.kernel import compiled
+from shared.pose import UNIMATE_GEOMETRY, forward, joint_positions
 from shared.units import RAD_PER_DEG
 
 G = UNIMATE_GEOMETRY

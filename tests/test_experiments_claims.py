@@ -36,6 +36,14 @@ def test_one_sided_bands_look_at_their_own_limit_only(comparison, on, past):
     assert not judge(claim, pushing(math.nan)).holds
 
 
+def test_two_counts_measured_as_a_difference_of_angles_are_two_counts():
+    trace = standing(3.0)
+    trace = trace._replace(q_set_rad=trace.q_set_rad + 0.3, q_rad=trace.q_rad + (0.3 - 2.0 * COUNT_RAD[1]))
+    claim = CLAIM._replace(metric="steady_error_counts", channel="q2", unit="counts", comparison="below", high=2.0)
+    assert judge(claim, trace).holds
+    assert not judge(claim._replace(high=1.999), trace).holds
+
+
 def test_only_the_window_is_judged():
     trace = pushing(100.0)
     outside = (trace.t_s < 1.0) | (trace.t_s > 2.0)

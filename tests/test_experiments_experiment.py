@@ -1,8 +1,11 @@
 import hashlib
 import json
+import math
 import tomllib
 
 import pytest
+from hypothesis import given
+from hypothesis import strategies as st
 
 from experiments.claims import Claim
 from experiments.errors import ExperimentError
@@ -36,6 +39,15 @@ def test_an_experiment_survives_toml_exactly(tmp_path):
 
 def test_an_experiment_survives_bytes_exactly():
     assert from_bytes(to_bytes(EXPERIMENT)) == EXPERIMENT
+
+
+@given(st.floats(allow_nan=False, allow_infinity=False), st.text())
+def test_every_number_and_text_survives_to_the_last_bit(number, text):
+    changed = EXPERIMENT._replace(title=text, claims=(CLAIM._replace(high=number),))
+    assert from_bytes(to_bytes(changed)) == changed
+    again = from_plain(tomllib.loads(to_toml(changed)), "test")
+    assert again == changed
+    assert math.copysign(1.0, again.claims[0].high) == math.copysign(1.0, number)
 
 
 def test_every_default_is_spelled_out():

@@ -8,7 +8,7 @@ from typing import Annotated, Literal, NamedTuple
 
 from annotated_types import Ge, Gt, Le
 
-from services.controller.kinematics import UNIMATE_GEOMETRY, Triple, clamp_joints, forward, inverse
+from services.controller.kinematics import clamp_joints, inverse
 from services.controller.params import (
     FULL_SLEW_CODES,
     LAW_DEADBAND,
@@ -30,6 +30,7 @@ from services.controller.params import (
 from services.controller.reference import CHANNELS, KINDS, Row, reference_deltas
 from shared.converters import calibration
 from shared.messages import About
+from shared.pose import UNIMATE_GEOMETRY, Triple, forward
 from shared.units import A_PER_MA
 
 LAWS = {

@@ -3,13 +3,14 @@
 from typing import NamedTuple
 
 from services.controller.impedance import ImpedanceState, impedance_step
-from services.controller.kinematics import Triple, clamp_joints, forward, inverse
+from services.controller.kinematics import clamp_joints, inverse
 from services.controller.params import TARGET_IMPEDANCE, TARGET_JOINT, ControllerParams
 from services.controller.reference import Deltas, Table, reference_deltas
 from services.controller.regression import POINTS
 from services.controller.trial import Trial
 from shared.kernel import kernel
 from shared.messages import NO_TRIAL
+from shared.pose import Triple, forward
 
 READY_COUNTS = 2.0 + 1e-6  # the reference may start two counts from the pose; the rest is rounding
 

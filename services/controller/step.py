@@ -8,7 +8,6 @@ import math
 from typing import NamedTuple
 
 from services.controller.impedance import ImpedanceState, mean_of_three, rest
-from services.controller.kinematics import Triple, forward, joint_positions
 from services.controller.laws import AT_REST, LinkLawState, law_step
 from services.controller.params import ControllerParams
 from services.controller.reference import Table, reference_deltas
@@ -18,6 +17,7 @@ from services.controller.trial import Trial, advance, follows, runs
 from shared.converters import ZERO_CODE, current_to_code
 from shared.kernel import kernel
 from shared.messages import NO_TRIAL, ControllerState, GateState, Sample
+from shared.pose import Triple, forward, joint_positions
 from shared.units import NS_PER_S
 
 GATE_RECOVERING = int(GateState.RECOVERING)

@@ -27,7 +27,7 @@ console = Console(width=None if sys.stdout.isatty() else 120)
 errors = Console(stderr=True, highlight=False, soft_wrap=True)
 
 CellName = Annotated[str, typer.Option("--cell", help="Name of the cell.")]
-Port = Annotated[int, typer.Option("--port", help="First of the cell's three ports.", min=1024, max=65000)]
+Port = Annotated[int, typer.Option("--port", help="First of the cell's four ports.", min=1024, max=65000)]
 AsJson = Annotated[bool, typer.Option("--json", help="Print JSON.")]
 _PASS_ON = {"allow_extra_args": True, "ignore_unknown_options": True, "help_option_names": []}
 _RUNS = Path("runs")

@@ -11,6 +11,18 @@ from shared.codec import Received
 from shared.messages import NO_TRIAL
 from shared.units import NS_PER_S
 
+_FROM_STATE = (
+    "q_rad",
+    "q_set_rad",
+    "qd_rad_per_s",
+    "qd_set_rad_per_s",
+    "x_m",
+    "x_set_m",
+    "x_nominal_m",
+    "force_n",
+    "force_set_n",
+    "current_a",
+)
 DEPTH = 1 << 20  # frames; an hour at 222 Hz
 
 
@@ -65,9 +77,7 @@ def _age_s(number: int, following: Any) -> float:
 
 def _join(rows: list[tuple[Any, Any, Any, Any, Any]]) -> Trace:
     samples, commands, states, permits, _ = zip(*rows, strict=True)
-    from_state = ("q_rad", "q_set_rad", "qd_rad_per_s", "qd_set_rad_per_s", "x_m", "x_set_m", "x_nominal_m", "current_a")
-    from_state += ("force_n", "force_set_n")
-    reals: dict[str, Any] = {name: np.array([getattr(s, name) for s in states], dtype=np.float64) for name in from_state}
+    reals: dict[str, Any] = {name: np.array([getattr(s, name) for s in states], dtype=np.float64) for name in _FROM_STATE}
     whole: dict[str, Any] = {
         name: np.array([getattr(s, name) for s in samples], dtype=np.int64) for name in ("tick", "encoder_counts", "force_counts")
     }

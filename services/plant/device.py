@@ -3,7 +3,7 @@
 from typing import NamedTuple, Protocol
 
 from services.plant.config import PlantConfig
-from shared.messages import NO_TRIAL, Truth
+from shared.messages import NO_TRIAL, LinkCounts, Truth
 
 
 class Reading(NamedTuple):
@@ -38,7 +38,7 @@ class Device(Protocol):
     def read(self) -> Reading:
         """Counters and A/D now."""
 
-    def write(self, codes: tuple[int, int, int]) -> None:
+    def write(self, codes: LinkCounts) -> None:
         """Codes to the D/A now."""
 
     def truth(self) -> Truth | None:

@@ -9,10 +9,10 @@ from services.plant.noise import force_noise_n
 from services.plant.params import contact_params
 from shared.converters import ZERO_CODE
 from shared.kernel import compiled
-from shared.messages import NO_TRIAL, Truth
+from shared.messages import NO_TRIAL, LinkCounts, Truth
 
 _IDLE_NOISE_TICKS = 4096  # outside a trial the noise repeats after this many samples
-_ZERO = (ZERO_CODE, ZERO_CODE, ZERO_CODE)
+_ZERO: LinkCounts = (ZERO_CODE, ZERO_CODE, ZERO_CODE)
 
 
 class Emulator:
@@ -64,7 +64,7 @@ class Emulator:
         encoders, force = self._sense(self._state, self._machine, self._contact, noise_n)
         return Reading(encoders, force)
 
-    def write(self, codes: tuple[int, int, int]) -> None:
+    def write(self, codes: LinkCounts) -> None:
         """Codes to the D/A at the timeline's sub-step."""
         self._play()
         self._codes, self._written_at = codes, self._timeline.substep

@@ -9,7 +9,7 @@ from typing import NamedTuple
 from services.plant.config import GateLimits
 from shared.converters import ZERO_CODE
 from shared.kernel import kernel
-from shared.messages import NO_COMMAND, GateCause, GateState, Mode
+from shared.messages import NO_COMMAND, GateCause, GateState, LinkCounts, Mode
 
 SHUT, OPEN, BURNED, RECOVERING = map(int, GateState)
 (
@@ -45,7 +45,7 @@ class PermitSeen(NamedTuple):
     epoch: int
     mode: int
     age_ns: int
-    recover_signs: tuple[int, int, int]
+    recover_signs: LinkCounts
 
 
 class CommandSeen(NamedTuple):
@@ -56,7 +56,7 @@ class CommandSeen(NamedTuple):
     epoch: int
     age_ns: int
     number: int
-    codes: tuple[int, int, int]
+    codes: LinkCounts
 
 
 class GateInput(NamedTuple):
@@ -76,14 +76,14 @@ class GateMemory(NamedTuple):
 
     state: int = SHUT
     cause: int = NO_PERMIT
-    codes: tuple[int, int, int] = _ZERO
+    codes: LinkCounts = _ZERO
     command_number: int = NO_COMMAND
     open_samples: int = 0
     arming: int = 0  # bound while open
     permit_epoch: int = 0
     command_epoch: int = 0
     burned: tuple[int, int, int, int, int, int, int, int, int, int, int, int, int, int, int, int] = _NO_ARMINGS
-    recover_signs: tuple[int, int, int] = _NO_SIGNS
+    recover_signs: LinkCounts = _NO_SIGNS
 
 
 NO_PERMIT_SEEN = PermitSeen(False, 0, 0, 0, -1, _NO_SIGNS)

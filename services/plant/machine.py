@@ -10,10 +10,8 @@ from services.plant.params import AXIS_X, ContactParams, LinkParams, MachinePara
 from services.plant.sensors import encoder_counts, gauge_counts
 from shared.converters import code_to_current
 from shared.kernel import kernel
-from shared.messages import Truth
+from shared.messages import LinkCounts, Truth
 from shared.units import SUBSTEP_S
-
-Counts3 = tuple[int, int, int]
 
 
 class MachineState(NamedTuple):
@@ -111,7 +109,9 @@ def advance_by(
 
 
 @kernel
-def advance(state: MachineState, machine: MachineParams, contact: ContactParams, codes: Counts3, substeps: int) -> MachineState:
+def advance(
+    state: MachineState, machine: MachineParams, contact: ContactParams, codes: LinkCounts, substeps: int
+) -> MachineState:
     """The machine `substeps` of 50 us later, the D/A holding `codes`."""
     currents_a = (code_to_current(codes[0]), code_to_current(codes[1]), code_to_current(codes[2]))
     return advance_by(state, machine, contact, currents_a, substeps, SUBSTEP_S)
@@ -142,7 +142,7 @@ def sense(
 
 
 @kernel
-def sticking(state: MachineState) -> Counts3:
+def sticking(state: MachineState) -> LinkCounts:
     """1 for each link that static friction holds."""
     speeds = state.qd_rad_per_s
     return int(speeds[0] == 0.0), int(speeds[1] == 0.0), int(speeds[2] == 0.0)

@@ -1,14 +1,16 @@
 """The recorder's shell: it owns the bus and the clock, and answers record, finish and status."""
 
-import secrets
 import signal
+import sys
 import threading
 import time
 from contextlib import ExitStack
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
-from shared.bus import Bus, Inbox, Request
+from shared.bus import Bus, BusError, Inbox, Request
+from shared.process import EXIT_OK, EXIT_TRANSPORT, draw_number, parser
+from shared.realtime import die_with_parent
 from shared.topics import TOPICS
 
 if TYPE_CHECKING:
@@ -16,10 +18,26 @@ if TYPE_CHECKING:
 
 DEPTH = 8192  # 8 s at 1 kHz: a slow disk fills the recorder's ring, not the others'
 STEP_S = 0.04  # rings are drained in one go, so that the recorder costs no wake-up per message
-EPOCH_BITS = 62
 
 
-def main(cell: str, port_base: int, folder: Path, rrd: Path | None = None, live_port: int | None = None) -> None:
+def main(arguments: list[str] | None = None) -> int:
+    """Run until a signal; returns the exit status."""
+    line = parser("recorder", __doc__)
+    line.add_argument("--folder", type=Path, default=Path("runs"), help="where recordings go (runs)")
+    line.add_argument("--rrd", type=Path, help="record from the start into this file of the folder")
+    line.add_argument("--live", type=int, metavar="PORT", help="serve a live view on this port")
+    given = line.parse_args(arguments)
+    if given.with_parent:
+        die_with_parent()
+    try:
+        record(given.cell, given.port, given.folder, given.rrd, given.live)
+    except (BusError, OSError, ValueError) as error:
+        print(f"recorder: {error}", file=sys.stderr, flush=True)
+        return EXIT_TRANSPORT
+    return EXIT_OK
+
+
+def record(cell: str, port_base: int, folder: Path, rrd: Path | None = None, live_port: int | None = None) -> None:
     """Record until SIGINT or SIGTERM. With `rrd` from the start into that file, else between `record` and `finish`."""
     from services.recorder.live import Live  # here: rerun takes 0.4 s to import
     from services.recorder.recorder import Recorder
@@ -30,7 +48,7 @@ def main(cell: str, port_base: int, folder: Path, rrd: Path | None = None, live_
         recorder = Recorder(cell, live)
         if rrd is not None:
             recorder.record(folder / rrd, rrd.stem)
-        bus = stack.enter_context(Bus("recorder", cell, port_base, secrets.randbits(EPOCH_BITS)))
+        bus = stack.enter_context(Bus("recorder", cell, port_base, draw_number()))
         inboxes = [bus.subscribe(topic.key, DEPTH) for topic in TOPICS]  # the plant's samples come first
         stack.callback(_finish, recorder, inboxes)
         while not stop.wait(STEP_S):

@@ -18,7 +18,7 @@ from services.supervisor.rules import Limits, Observed, first_broken
 from shared.converters import Calibration
 from shared.kernel import kernel
 from shared.messages import NO_COMMAND, NO_TRIAL, Permit, Sample, TripCause
-from shared.pose import joint_positions, tip
+from shared.pose import UNIMATE_GEOMETRY, forward, joint_positions
 
 _ESTOP, _FORCE_INVALID, _FORCE_RAW, _FORCE_TARED = (
     int(TripCause.ESTOP),
@@ -102,7 +102,7 @@ def supervisor_step(
 @kernel
 def observe(memory: SupervisorMemory, params: SupervisorParams, sample: Sample, asked: Asked) -> Observed:
     """What the rules judge."""
-    q_rad = joint_positions(sample.encoder_counts, params.calibration)
+    q_rad, pitch_rad = joint_positions(params.calibration, sample.encoder_counts)
     raw_n = sample.force_counts * params.calibration.force_n_per_count
     running = memory.mode == RUNNING and sample.tick != NO_TRIAL
     lost = 0
@@ -116,8 +116,8 @@ def observe(memory: SupervisorMemory, params: SupervisorParams, sample: Sample, 
         raw_n - memory.bias_n,
         memory.bias_n,
         memory.bias_spread_n,
-        (q_rad[0], q_rad[1], q_rad[2]),
-        tip(q_rad),
+        q_rad,
+        forward(UNIMATE_GEOMETRY, q_rad, pitch_rad),
         lost,
         asked.stale_ns,
         sample.number - sample.command_number,
