@@ -80,7 +80,8 @@ def table(title: str, columns: Sequence[str], rows: Sequence[Sequence[object]]) 
     """Print a table; floats with four digits."""
     made = Table(title=title, title_justify="left")
     for index, column in enumerate(columns):
-        made.add_column(column, justify="right" if index else "left")
+        numbers = rows and all(isinstance(row[index], int | float) for row in rows)
+        made.add_column(column, justify="right" if numbers else "left")
     for row in rows:
         made.add_row(*(f"{value:.4g}" if isinstance(value, float) else str(value) for value in row))
     console.print(made)
