@@ -4,20 +4,18 @@ from collections import Counter
 
 from shared.codec import Received, Rejected
 
-_REMEMBERED_EPOCHS = 64
-
 
 class Acceptance:
     """Sequence and epoch of one topic's publisher, and counters of what was discarded, by cause."""
 
     def __init__(self) -> None:
         """Nothing seen yet."""
-        self.epoch = 0
+        self.epoch: int | None = None
         self.seq = -1
         self.lost = 0
         self.discarded: Counter[str] = Counter()
         self.accepted = 0
-        self._left: list[int] = []
+        self._left: set[int] = set()
 
     def take(self, message: Received | Rejected) -> Received | None:
         """`message` if it is valid and newer than all before it; otherwise it is counted by cause."""
@@ -29,8 +27,8 @@ class Acceptance:
             self.discarded["epoch"] += 1
             return None
         if header.epoch != self.epoch:
-            if self.epoch:
-                self._left = [*self._left, self.epoch][-_REMEMBERED_EPOCHS:]
+            if self.epoch is not None:
+                self._left.add(self.epoch)
             self.epoch, self.seq = header.epoch, header.seq - 1
         if header.seq <= self.seq:
             self.discarded["sequence"] += 1

@@ -25,6 +25,8 @@ LISTENERS = ("plant", "controller", "supervisor", "recorder")  # offset from the
 RING = 64  # frames kept for one step; a ring of one would let a foreign frame push out a valid one
 DEFAULT_PORT = 7450
 HOST = "127.0.0.1"
+_PRIORITIES = ("control", "real_time", "interactive_high", "interactive_low", "data_high", "data", "data_low", "background")
+_QUEUED_BATCHES = 16  # two, the default, lose messages when the processor is contended
 
 
 class BusError(Exception):
@@ -103,16 +105,17 @@ class Request(NamedTuple):
 class Bus:
     """A service's place on the network."""
 
-    def __init__(self, service: str, cell: str, port_base: int, epoch: int, *, blocking: bool = False) -> None:
-        """Nothing is opened before the `with`. `blocking` waits for room instead of dropping (lockstep)."""
+    def __init__(self, service: str, cell: str, port_base: int, epoch: int) -> None:
+        """Nothing is opened before the `with`."""
         self.identity = Identity(cell, service, epoch)
         self.run = Run()
         self.requests_seen: deque[Any] = deque(maxlen=RING)
-        self._port_base, self._blocking = port_base, blocking
+        self.waits_for_room = False  # instead of dropping: in lockstep nothing may be lost to a slow reader
+        self._port_base = port_base
         self._lock = threading.Lock()
         self._lock.acquire()
         self._seq: dict[str, int] = {}
-        self._publishers: dict[str, Any] = {}
+        self._publishers: dict[tuple[str, bool], Any] = {}
 
     def __enter__(self) -> "Bus":
         """Open the session; raises BusError if this service's port is taken."""
@@ -171,13 +174,17 @@ class Bus:
         """Send one message; `echo` is number and time of the sample it answers or judges."""
         topic = BY_KEY[key]
         name = expression(self.identity.cell, key)
-        if key not in self._publishers:
-            self._publishers[key] = self._session.declare_publisher(
-                name,
-                priority=zenoh.Priority.REAL_TIME if topic.loop else zenoh.Priority.DATA,
-                congestion_control=zenoh.CongestionControl.BLOCK if self._blocking else zenoh.CongestionControl.DROP,
-            )
-        self._publishers[key].put(encode(name, self._header(topic, echo), body))
+        publisher = self._publishers.get((key, self.waits_for_room)) or self._declare(topic, name)
+        publisher.put(encode(name, self._header(topic, echo), body))
+
+    def _declare(self, topic: Topic, name: str) -> Any:
+        publisher = self._session.declare_publisher(
+            name,
+            priority=zenoh.Priority.REAL_TIME if topic.loop else zenoh.Priority.DATA,
+            congestion_control=zenoh.CongestionControl.BLOCK if self.waits_for_room else zenoh.CongestionControl.DROP,
+        )
+        self._publishers[topic.key, self.waits_for_room] = publisher
+        return publisher
 
     def _header(self, topic: Topic, echo: tuple[int, int] = (NO_COMMAND, 0)) -> Header:
         seq = self._seq[topic.key] = self._seq.get(topic.key, -1) + 1
@@ -241,7 +248,7 @@ def _config(service: str, port_base: int) -> Any:
     rank = LISTENERS.index(service) if service in LISTENERS else len(LISTENERS)
     listen = [f"tcp/{HOST}:{port_base + rank}"] if service in LISTENERS else []
     connect = [f"tcp/{HOST}:{port_base + i}" for i in range(rank)]
-    priorities = ("control", "real_time", "interactive_high", "interactive_low", "data_high", "data", "data_low", "background")
+    queue = {"size": dict.fromkeys(_PRIORITIES, _QUEUED_BATCHES)}
     return zenoh.Config.from_json5(
         json.dumps(
             {
@@ -258,7 +265,7 @@ def _config(service: str, port_base: int) -> Any:
                 "queries_default_timeout": 1000,
                 "transport": {
                     "shared_memory": {"enabled": False},
-                    "link": {"tx": {"lease": 500, "keep_alive": 4, "queue": {"size": dict.fromkeys(priorities, 16)}}},
+                    "link": {"tx": {"lease": 500, "keep_alive": 4, "queue": queue}},
                 },
             }
         )

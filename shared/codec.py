@@ -69,7 +69,7 @@ def crc(key: str, packed: bytes) -> bytes:
 
 
 def encode(key: str, header: Header, body: tuple[Any, ...]) -> bytes:
-    """The frame for `body`; numpy scalars raise TypeError, they have no place on the wire."""
+    """The frame for `body`; numpy integers and bools raise TypeError, they have no place on the wire."""
     packed: bytes = msgpack.packb((*header, body))
     return packed + crc(key, packed)
 
@@ -82,7 +82,8 @@ def decode(key: str, topic: Topic, cell: str, frame: bytes, arrival_ns: int) -> 
 
     limit = MAX_FRAME_BYTES if topic.schema < _first_request_schema() else MAX_REQUEST_BYTES
     if not _CRC_BYTES < len(frame) <= limit:
-        return reject("oversized" if frame else "malformed", f"{len(frame)} bytes, expected {_CRC_BYTES + 1} to {limit}")
+        cause = "oversized" if len(frame) > limit else "malformed"
+        return reject(cause, f"{len(frame)} bytes, expected {_CRC_BYTES + 1} to {limit}")
     packed = frame[:-_CRC_BYTES]
     if crc(key, packed) != frame[-_CRC_BYTES:]:
         return reject("crc", "checksum differs")

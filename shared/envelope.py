@@ -4,9 +4,10 @@ import hashlib
 import json
 from typing import Any, NamedTuple
 
-from pydantic import TypeAdapter, ValidationError
+from pydantic import ConfigDict, TypeAdapter, ValidationError
 
 CLOCKS = ("real", "lockstep")
+_LARGEST = {"run": 2**63 - 1, "seed": 2**64 - 1, "bias_ticks": 10_000, "duration_ticks": 3_600_000}  # 10 s and 1 h at 1 kHz
 
 
 class Envelope(NamedTuple):
@@ -42,20 +43,23 @@ def unseal(text: str) -> Envelope:
     try:
         values = json.loads(text)
         made = Envelope(digest=hashlib.sha256(text.encode()).digest(), **values)
-    except (ValueError, TypeError) as error:
+    except (ValueError, TypeError, RecursionError) as error:
         raise ValueError(f"the load is no envelope: {error}") from error
     if made.clock not in CLOCKS:
         raise ValueError(f"clock is {made.clock!r}, expected one of {', '.join(CLOCKS)}")
-    for name in ("run", "seed", "bias_ticks", "duration_ticks"):
-        if type(getattr(made, name)) is not int or getattr(made, name) < 0:
-            raise ValueError(f"{name} is {getattr(made, name)!r}, expected a whole number of 0 or more")
+    for name, largest in _LARGEST.items():
+        if type(getattr(made, name)) is not int or not 0 <= getattr(made, name) <= largest:
+            raise ValueError(f"{name} is {getattr(made, name)!r}, expected a whole number from 0 to {largest}")
+    if type(made.experiment) is not dict:
+        raise ValueError(f"experiment is {type(made.experiment).__name__}, expected an object with a section for each service")
     return made
 
 
 def section(envelope: Envelope, name: str, kind: Any) -> Any:
     """Section `name` as a `kind`; raises ValueError with one line that names the field."""
     try:
-        return TypeAdapter(kind).validate_json(json.dumps(envelope.experiment.get(name, {})))
+        adapter = TypeAdapter(kind, config=ConfigDict(allow_inf_nan=False))
+        return adapter.validate_json(json.dumps(envelope.experiment.get(name, {})), strict=True)
     except ValidationError as error:
         first = error.errors()[0]
         where = ".".join(str(part) for part in (name, *first["loc"]))

@@ -30,7 +30,7 @@ class GateState(IntEnum):
 
 
 class GateCause(IntEnum):
-    """Why the gate is not open; the first that holds, in this order."""
+    """Why the gate is not open; what the gate asks first is named."""
 
     NONE = 0
     NO_PERMIT = 1

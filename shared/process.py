@@ -22,7 +22,6 @@ class Options(NamedTuple):
     port: int = DEFAULT_PORT
     realtime: bool = True
     with_parent: bool = False  # end when the starting process ends, however it ends
-    blocking: bool = False
 
 
 def parser(service: str, description: str | None) -> argparse.ArgumentParser:
@@ -36,13 +35,12 @@ def parser(service: str, description: str | None) -> argparse.ArgumentParser:
     made.add_argument("--port", type=int, default=DEFAULT_PORT, help=f"first of the cell's four ports ({DEFAULT_PORT})")
     made.add_argument("--no-realtime", action="store_true", help="ask for no real-time scheduling")
     made.add_argument("--with-parent", action="store_true", help="end when the starting process ends, however it ends")
-    made.add_argument("--blocking", action="store_true", help="wait for room instead of dropping (lockstep)")
     return made
 
 
 def options_of(given: argparse.Namespace) -> Options:
     """What a parsed command line says."""
-    return Options(given.cell, given.port, not given.no_realtime, given.with_parent, given.blocking)
+    return Options(given.cell, given.port, not given.no_realtime, given.with_parent)
 
 
 def draw_number() -> int:
@@ -57,9 +55,9 @@ def serve(service: str, options: Options, run: Callable[[Bus, Callable[[], bool]
         if os.getppid() == 1:
             return EXIT_OK
     stop: list[int] = []
-    granted = claim(realtime=options.realtime)
+    granted = claim(service, realtime=options.realtime)
     try:
-        with Bus(service, options.cell, options.port, draw_number(), blocking=options.blocking) as bus:
+        with Bus(service, options.cell, options.port, draw_number()) as bus:
 
             def end(received: int, _frame: object) -> None:
                 stop.append(received)

@@ -91,7 +91,7 @@ def test_the_gate_is_silent_at_boot():
 
 
 def test_what_is_absent_permits_nothing_by_any_field():
-    assert NO_PERMIT_SEEN == (False, 0, 0, int(Mode.DISARMED), -1, NO_SIGNS)
+    assert (False, 0, 0, int(Mode.DISARMED), -1, NO_SIGNS) == NO_PERMIT_SEEN
     assert NO_COMMAND_SEEN == (False, 0, 0, -1, -1, ZERO)
 
 

@@ -13,6 +13,7 @@ from shared.codec import Received
 from shared.envelope import Envelope, section, unseal
 from shared.messages import About, Command
 from shared.process import options_of, parser, serve
+from shared.realtime import follow
 
 IDLE = ControllerConfig(target="joint")
 _WAKE_S = 0.1
@@ -99,6 +100,8 @@ class Controller:
         self.first_tick = -envelope.bias_ticks
         self._prepare()
         self.bus.run = Run(envelope.run, envelope.digest, 0)
+        self.bus.waits_for_room = envelope.clock == "lockstep"
+        follow(envelope.clock)
         gc.collect()
         return request.reply({"digest": envelope.digest.hex()})
 

@@ -25,6 +25,10 @@ class CellError(Exception):
     """The cell is not what the command needs; the message says what to do."""
 
 
+class TrippedError(CellError):
+    """The supervisor has tripped; nothing runs before a reset."""
+
+
 class Place(NamedTuple):
     """Where a cell is on the network, and where its logs go."""
 

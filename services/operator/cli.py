@@ -222,6 +222,8 @@ def run(
     wanted = Wanted(experiment, clock, seed, rrd, trace_file, _extra(permit_ttl_ms, realtime=realtime))
     try:
         report = run_experiment(place, wanted, console)
+    except cells.TrippedError as error:
+        raise fail(error, EXIT_TRIPPED) from None
     except cells.CellError as error:
         raise fail(error, EXIT_TRANSPORT) from None
     except KeyboardInterrupt:

@@ -74,9 +74,16 @@ def _in_cell(place: cells.Place, wanted: Wanted, console: Console) -> Report:
 def _run_and_record(bus: Bus, wanted: Wanted, console: Console) -> Report:
     recorded = _start_recording(bus, wanted, console)
     began = time.perf_counter()
-    with _progress(console) as progress:
-        task = progress.add_task(wanted.experiment.name, total=wanted.experiment.duration_s)
-        live = run_live(bus, wanted.experiment, wanted.seed, wanted.clock, lambda t: progress.update(task, completed=max(0.0, t)))
+    try:
+        with _progress(console) as progress:
+            task = progress.add_task(wanted.experiment.name, total=wanted.experiment.duration_s)
+            live = run_live(
+                bus, wanted.experiment, wanted.seed, wanted.clock, lambda t: progress.update(task, completed=max(0.0, t))
+            )
+    except (KeyboardInterrupt, cells.CellError):
+        if recorded:
+            bus.ask("recorder", "finish", {"summary_markdown": f"# {wanted.experiment.name}: ended early, no verdict"}, 10.0)
+        raise
     wall_s = time.perf_counter() - began
     report = _report(wanted, live.trace, live.tripped, live.gap, wall_s, _latencies(live))
     if recorded:

@@ -8,7 +8,7 @@ from typing import Any, NamedTuple
 from experiments.experiment import Experiment, to_plain
 from experiments.trace import Trace
 from rollout.rollout import duration_ticks
-from services.operator.cell import LOOP, CellError, ask, statuses
+from services.operator.cell import LOOP, CellError, TrippedError, ask, statuses
 from services.operator.collect import Collector, GapError
 from services.plant.config import bias_ticks
 from shared.bus import Bus
@@ -32,6 +32,9 @@ class Live(NamedTuple):
 
 def load(bus: Bus, experiment: Experiment, seed: int, clock: str) -> int:
     """All validate and return the hash, then all commit; returns the run's number."""
+    supervisor = ask(bus, "supervisor", "status")
+    if supervisor["mode"] == Mode.TRIPPED.name:
+        raise TrippedError(f"the rig has tripped: {supervisor['words']}; remove the cause, then `hydrohil reset`")
     run = secrets.randbits(_RUN_BITS)
     envelope = seal(
         to_plain(experiment),

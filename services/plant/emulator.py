@@ -78,8 +78,8 @@ class Emulator:
     def _play(self) -> None:
         """Sub-steps up to now; the watchdog falls at its own sub-step."""
         now = self._timeline.substep
-        expires = self._written_at + self._watchdog
-        if self._at <= expires < now:
+        expires = max(self._written_at + self._watchdog, self._at)
+        if expires < now:
             self._run_to(expires)
             self._codes = _ZERO
         self._run_to(now)

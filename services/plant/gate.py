@@ -82,7 +82,7 @@ class GateMemory(NamedTuple):
     arming: int = 0  # bound while open
     permit_epoch: int = 0
     command_epoch: int = 0
-    burned: tuple[int, int, int, int, int, int, int, int, int, int, int, int, int, int, int, int] = _NO_ARMINGS
+    burned: tuple[int, int, int, int, int, int, int, int, int, int, int, int, int, int, int, int] = _NO_ARMINGS  # the last 16
     recover_signs: LinkCounts = _NO_SIGNS
 
 

@@ -30,10 +30,13 @@ class Gatekeeper:
         self.force_counts = 0
         self.late_substeps = self.command_age_ns = 0
         self._bus, self._device, self._timeline, self._counters = bus, device, timeline, counters
+        self._burned: set[int] = set()  # all of them: the gate's own memory holds the last 16
 
     def begin_trial(self) -> None:
-        """Gate history starts anew; what was burned stays burned."""
+        """Gate history starts anew, with zero current; what was burned, or is bound, stays burned."""
+        self._burn(self.gate.arming)
         self.gate = GateMemory(burned=self.gate.burned)
+        self._device.write(self.gate.codes)
         self.late_substeps = 0
 
     def receive_permits(self) -> None:
@@ -71,10 +74,18 @@ class Gatekeeper:
             self.estop,
             overslept,
         )
+        if seen.permit.arming in self._burned:
+            self._burn(seen.permit.arming)
         before, self.gate = self.gate, gate_step(self.gate, self.limits, seen, at_latch)
+        self._burned.update(self.gate.burned)
         self._device.write(self.gate.codes)
         if (before.state, before.cause) != (self.gate.state, self.gate.cause):
             self._tell(seen)
+
+    def _burn(self, arming: int) -> None:
+        """Let the gate know a number that must never open it; it may have forgotten."""
+        if arming != 0 and arming not in self.gate.burned:
+            self.gate = self.gate._replace(burned=(arming, *self.gate.burned[:-1]))
 
     def _tell(self, seen: GateInput) -> None:
         number, tick = self._timeline.number, self._timeline.tick
@@ -89,6 +100,9 @@ def numbers(cause: int, seen: GateInput, limits: GateLimits) -> tuple[float, flo
         GateCause.PERMIT_STALE: (seen.permit.age_ns / 1e9, limits.permit_ttl_ns / 1e9),
         GateCause.COMMAND_STALE: (seen.command.age_ns / 1e9, limits.command_ttl_ns / 1e9),
         GateCause.FORCE_ABOVE_LIMIT: (seen.force_n, limits.force_limit_n),
-        GateCause.FORCE_INVALID: (float(seen.force_counts), float(limits.max_force_counts)),
+        GateCause.FORCE_INVALID: (
+            float(seen.force_counts),
+            float(limits.min_force_counts if seen.force_counts < limits.min_force_counts else limits.max_force_counts),
+        ),
     }
     return known.get(GateCause(cause), (0.0, 0.0))

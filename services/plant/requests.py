@@ -10,6 +10,7 @@ from services.plant.trial import Schedule
 from shared.bus import Request, Run
 from shared.envelope import section, unseal
 from shared.messages import GateCause
+from shared.realtime import follow
 
 if TYPE_CHECKING:
     from services.plant.service import Plant
@@ -48,6 +49,8 @@ def _commit(plant: "Plant", request: Request) -> None:
     plant.device.load(schedule.config, envelope.seed, schedule.first_tick, schedule.ticks)
     plant.schedule = schedule
     plant.bus.run = Run(envelope.run, envelope.digest, 0)
+    plant.bus.waits_for_room = schedule.lockstep
+    follow(envelope.clock)
     gc.collect()
     plant.grid.restart_at(plant.due)
     plant.tell_about()

@@ -16,7 +16,7 @@ from shared.bus import Bus
 from shared.clock import SLACK_NS, Grid
 from shared.codec import Received
 from shared.converters import ZERO_CODE
-from shared.messages import NO_TRIAL, Mode, Sample
+from shared.messages import NO_TRIAL, Mode, Sample, Truth
 from shared.units import SUBSTEP_NS
 
 LOCKSTEP_TIMEOUT_S = 5.0
@@ -43,6 +43,7 @@ class Plant:
         self.pending: Schedule | None = None
         self.due = 0  # sub-step of the next sample
         self._trial_zero_ns = 0
+        self._truth: Truth | None = None
 
     def run(self) -> None:
         """Until told to stop; leaves the valves at zero."""
@@ -87,12 +88,10 @@ class Plant:
         self._publish(sample)
 
     def _publish(self, sample: Sample) -> None:
+        self._truth = self.device.truth()
         echo = (sample.number, sample.time_ns)
         self.bus.run = self.bus.run._replace(arming=self.keeper.mailbox.arming)
         self.bus.publish("plant/sample", sample, echo)
-        truth = self.device.truth()
-        if truth is not None:
-            self.bus.publish("plant/truth", truth, echo)
         if sample.number % ABOUT_EVERY == 0:
             self.tell_about()
 
@@ -115,6 +114,8 @@ class Plant:
         self._count()
         self.keeper.judge(self._now_ns(), at_latch=True)
         self._follow_permit()
+        if self._truth is not None:  # after the latch: the command's way is free until then
+            self.bus.publish("plant/truth", self._truth, (self.timeline.number, self.due * SUBSTEP_NS))
         self.due += self.schedule.interval(self.timeline.tick)
         self.timeline.number += 1
 

@@ -26,5 +26,9 @@ class SupervisorConfig(NamedTuple):
         Annotated[float, Interval(le=27 * RAD_PER_DEG)],
         Annotated[float, Interval(le=1.04)],
     ] = (110 * RAD_PER_DEG, 27 * RAD_PER_DEG, 1.04)
-    workspace_low_m: tuple[float, float, float] = (-2.0, -2.0, -1.6)
-    workspace_high_m: tuple[float, float, float] = (2.0, 2.0, 0.8)
+    workspace_low_m: tuple[
+        Annotated[float, Interval(ge=-2.0)], Annotated[float, Interval(ge=-2.0)], Annotated[float, Interval(ge=-1.6)]
+    ] = (-2.0, -2.0, -1.6)
+    workspace_high_m: tuple[
+        Annotated[float, Interval(le=2.0)], Annotated[float, Interval(le=2.0)], Annotated[float, Interval(le=0.8)]
+    ] = (2.0, 2.0, 0.8)

@@ -31,7 +31,7 @@ class Facts(NamedTuple):
     broken: int  # cause of the first rule that does not hold
     estop: bool
     may_arm: bool  # limits stand below the gate's, all services agree on experiment and run
-    can_recover: bool  # the cause of the trip has a direction that unloads
+    can_recover: bool  # the cause of the trip has a direction that unloads, and no force has come on top of it
     held: bool  # the lease of HOLD_RECOVER has not run out
     finished: bool  # the trial's declared duration is over
     armed_too_long: bool
@@ -39,7 +39,7 @@ class Facts(NamedTuple):
 
 @kernel
 def next_mode(mode: int, event: int, facts: Facts) -> int:
-    """Mode after one step. What permits motion is left by absence; TRIPPED is left by reset alone."""
+    """Mode after one step. What permits motion is left by absence; TRIPPED is left by a reset, or for RECOVER."""
     if facts.estop or event == ESTOP:
         return TRIPPED
     if mode == RUNNING:
@@ -51,7 +51,8 @@ def next_mode(mode: int, event: int, facts: Facts) -> int:
             return DISARMED
         return RECOVER if event == HOLD_RECOVER and facts.can_recover else TRIPPED
     if mode == RECOVER:
-        return RECOVER if facts.held and facts.can_recover and event != RELEASE else TRIPPED
+        holds = event in (NOTHING, HOLD_RECOVER)
+        return RECOVER if holds and facts.held and facts.can_recover else TRIPPED
     return ARMED if event == ARM and facts.broken == 0 and facts.may_arm else DISARMED
 
 

@@ -13,8 +13,8 @@ _OPEN, _BURNED = int(GateState.OPEN), int(GateState.BURNED)
 class Observed(NamedTuple):
     """What the rules judge, computed from one sample and what came before it."""
 
-    moving: bool  # a trial runs and its tick is 0 or later
-    starting: bool  # the sample just before tick 0
+    moving: bool  # a trial runs and its tick is 0 or later, or its samples went back
+    starting: bool  # a trial runs and its tick is -1 or later: what must hold before motion starts
     force_counts: int
     force_raw_n: float
     force_tared_n: float
@@ -90,7 +90,7 @@ def tip_within(seen: Observed, limits: Limits) -> bool:
 
 @kernel
 def samples_complete(seen: Observed, limits: Limits) -> bool:
-    return not seen.moving or seen.lost_samples <= limits.lease_samples
+    return not seen.moving or 0 <= seen.lost_samples <= limits.lease_samples
 
 
 @kernel
@@ -129,7 +129,9 @@ RULES = (
         force_reading_valid,
         TripCause.FORCE_INVALID,
         lambda seen, _: float(seen.force_counts),
-        lambda _, limits: float(limits.max_force_counts),
+        lambda seen, limits: float(
+            limits.min_force_counts if seen.force_counts < limits.min_force_counts else limits.max_force_counts
+        ),
         "the force reading is outside the gauge's range or saturated (counts)",
     ),
     Rule(
@@ -149,8 +151,10 @@ RULES = (
     Rule(
         bias_steady,
         TripCause.BIAS,
-        lambda seen, _: seen.bias_n,
-        lambda _, limits: limits.config.bias_limit_n,
+        lambda seen, limits: seen.bias_spread_n if abs(seen.bias_n) <= limits.config.bias_limit_n else seen.bias_n,
+        lambda seen, limits: (
+            limits.config.bias_spread_n if abs(seen.bias_n) <= limits.config.bias_limit_n else limits.config.bias_limit_n
+        ),
         "the force bias is above its limit or unsteady (N)",
     ),
     Rule(
@@ -171,8 +175,8 @@ RULES = (
         samples_complete,
         TripCause.SAMPLE_LOST,
         lambda seen, _: float(seen.lost_samples),
-        lambda _, limits: float(limits.lease_samples),
-        "samples were lost for longer than the lease (samples)",
+        lambda seen, limits: float(limits.lease_samples if seen.lost_samples > 0 else 0),
+        "samples were lost for longer than the lease, or the plant started anew (samples)",
     ),
     Rule(
         samples_fresh,
@@ -185,7 +189,7 @@ RULES = (
         commands_fresh,
         TripCause.COMMAND_STALE,
         lambda seen, _: float(seen.command_lag),
-        lambda _, limits: float(limits.lease_samples + 1),
+        lambda seen, limits: float(limits.lease_samples + 1 if seen.command_lag > 0 else 0),
         "the controller's commands have stopped or stand still (samples)",
     ),
     Rule(

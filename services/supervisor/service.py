@@ -16,6 +16,7 @@ from shared.codec import Received
 from shared.envelope import Envelope, section, unseal
 from shared.messages import About, Mode, Permit, TripCause
 from shared.process import draw_number, options_of, parser, serve
+from shared.realtime import follow
 from shared.units import NS_PER_S
 
 _IDLE_WAKE_S = 0.1
@@ -92,7 +93,12 @@ class Supervisor:
             self.params = supervisor_params(self.config, self.about, bias, duration)
 
     def _judge_absence(self) -> None:
-        if self.sample is None or self.memory.mode == DISARMED:
+        """Wall time without a sample is a cause to trip, but in lockstep, where the plant waits and simulated time stands."""
+        if (
+            self.sample is None
+            or self.memory.mode == DISARMED
+            or (self.envelope is not None and self.envelope.clock == "lockstep")
+        ):
             return
         stale_ns = time.monotonic_ns() - self.sample.arrival_ns
         if self.about is not None and stale_ns > self.about.permit_ttl_ns:
@@ -193,11 +199,15 @@ class Supervisor:
         return request.reply({"digest": envelope.digest.hex()})
 
     def _commit(self, request: Request) -> None:
+        if self.memory.mode != DISARMED:
+            return request.refuse(f"the mode is {Mode(self.memory.mode).name}: stop or reset first")
         if self.pending is None or self.pending[0].digest.hex() != request.arguments.get("digest"):
             return request.refuse("nothing with this hash was loaded: load it first")
         self.envelope, self.config = self.pending
         self._prepare()
         self.bus.run = Run(self.envelope.run, self.envelope.digest, 0)
+        self.bus.waits_for_room = self.envelope.clock == "lockstep"
+        follow(self.envelope.clock)
         gc.collect()
         return request.reply({"digest": self.envelope.digest.hex()})
 

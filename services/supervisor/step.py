@@ -89,7 +89,7 @@ def supervisor_step(
         broken,
         asked.estop,
         asked.agreed,
-        _can_recover(memory),
+        _can_recover(memory) and not (memory.mode == RECOVER and _force_on_top(memory, broken)),
         sample.number < memory.held_until or asked.event == HOLD_RECOVER,
         memory.mode == RUNNING and sample.number >= memory.first_sample + params.bias_ticks + params.duration_ticks,
         memory.mode == ARMED and sample.number - memory.armed_at > params.armed_samples,
@@ -105,12 +105,13 @@ def observe(memory: SupervisorMemory, params: SupervisorParams, sample: Sample, 
     q_rad, pitch_rad = joint_positions(params.calibration, sample.encoder_counts)
     raw_n = sample.force_counts * params.calibration.force_n_per_count
     running = memory.mode == RUNNING and sample.tick != NO_TRIAL
+    went_back = memory.mode == RUNNING and asked.stale_ns == 0 and sample.number <= memory.last_number
     lost = 0
     if memory.last_number != NO_COMMAND and asked.stale_ns == 0:
         lost = sample.number - memory.last_number - 1
     return Observed(
-        running and sample.tick >= 0,
-        running and sample.tick == -1,
+        (running and sample.tick >= 0) or went_back,
+        running and sample.tick >= -1,
         sample.force_counts,
         raw_n,
         raw_n - memory.bias_n,
@@ -173,6 +174,12 @@ def _can_recover(memory: SupervisorMemory) -> bool:
 
 
 @kernel
+def _force_on_top(memory: SupervisorMemory, broken: int) -> bool:
+    """Recovering from a joint limit has met a force: another cause, with another direction."""
+    return memory.cause == _JOINT_LIMIT and 0 < broken < _JOINT_LIMIT
+
+
+@kernel
 def _enter(
     memory: SupervisorMemory,
     params: SupervisorParams,
@@ -194,9 +201,10 @@ def _enter(
         arming, armed_at = asked.new_arming, sample.number
     if mode == RUNNING and memory.mode != RUNNING:
         first_sample = sample.number + params.lead_samples
+        memory = _with_bias(memory, memory.bias_n, memory.bias_spread_n, 0.0, 0.0, 0)
     if mode == TRIPPED and memory.mode != TRIPPED:
         arming, first_sample = 0, NO_COMMAND
-        if memory.mode != RECOVER:
+        if memory.mode != RECOVER or _force_on_top(memory, broken[0]):
             cause, measured, limit = broken
             if asked.estop or asked.event == ESTOP_EVENT:
                 cause, measured, limit = _ESTOP, 0.0, 0.0

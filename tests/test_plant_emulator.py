@@ -1,0 +1,114 @@
+import pytest
+
+from services.plant.config import PlantConfig
+from services.plant.device import Timeline
+from services.plant.emulator import Emulator
+from services.plant.machine import advance, machine_start
+from services.plant.params import UNIMATE, Environment, contact_params
+from shared.messages import NO_TRIAL
+
+MOVING = (2048, 2048, 2700)
+ZERO = (2048, 2048, 2048)
+WATCHDOG = 400  # sub-steps: 20 ms
+
+
+@pytest.fixture(scope="module")
+def made():
+    timeline = Timeline()
+    return timeline, Emulator(timeline, WATCHDOG)
+
+
+@pytest.fixture
+def scene(made):
+    """The emulator at its declared pose, sub-step 0."""
+    timeline, emulator = made
+    timeline.substep = timeline.number = 0
+    timeline.tick = NO_TRIAL
+    emulator.watchdog(WATCHDOG)
+    emulator.load(PlantConfig(), 0, 0, 4096)
+    emulator.begin()
+    return timeline, emulator
+
+
+def at(scene, substep):
+    timeline, emulator = scene
+    timeline.substep = substep
+    emulator.read()
+    return emulator.truth()
+
+
+def expected(*driven):
+    """Positions after (codes, sub-steps) by the machine's own equations, plain."""
+    contact = contact_params(Environment())
+    state = machine_start(UNIMATE, contact, PlantConfig().initial_q_rad)
+    for codes, substeps in driven:
+        state = advance(state, UNIMATE, contact, codes, substeps)
+    return state.q_rad, state.spool_a
+
+
+def test_codes_act_from_the_sub_step_at_which_they_are_written(scene):
+    timeline, emulator = scene
+    timeline.substep = 72
+    emulator.write(MOVING)
+    seen = at(scene, 162)
+    assert (seen.q_rad, seen.spool_a) == expected((ZERO, 72), (MOVING, 90))
+    assert seen.q_rad[2] > PlantConfig().initial_q_rad[2]
+
+
+@pytest.mark.parametrize("silence", [WATCHDOG, WATCHDOG + 1, WATCHDOG + 300])
+def test_a_converter_that_is_not_written_goes_to_zero_by_itself_at_the_end_of_the_lease(scene, silence):
+    _, emulator = scene
+    emulator.write(MOVING)
+    seen = at(scene, silence)
+    assert (seen.q_rad, seen.spool_a) == expected((MOVING, WATCHDOG), (ZERO, silence - WATCHDOG))
+
+
+def test_reading_does_not_feed_the_watchdog(scene):
+    _, emulator = scene
+    emulator.write(MOVING)
+    for substep in range(90, 900, 90):
+        seen = at(scene, substep)
+    assert (seen.q_rad, seen.spool_a) == expected((MOVING, WATCHDOG), (ZERO, 810 - WATCHDOG))
+
+
+def test_writing_feeds_the_watchdog(scene):
+    timeline, emulator = scene
+    for substep in range(0, 900, 300):
+        timeline.substep = substep
+        emulator.write(MOVING)
+    assert at(scene, 900).q_rad == expected((MOVING, 900))[0]
+
+
+def test_a_shorter_lease_falls_at_once_when_it_is_over_already(scene):
+    _, emulator = scene
+    emulator.write(MOVING)
+    at(scene, 300)
+    emulator.watchdog(200)
+    seen = at(scene, 390)
+    assert (seen.q_rad, seen.spool_a) == expected((MOVING, 300), (ZERO, 90))
+
+
+def test_a_trial_begins_at_its_declared_state_whatever_was_before(scene):
+    timeline, emulator = scene
+    emulator.write(MOVING)
+    at(scene, 350)
+    emulator.begin()
+    timeline.substep = 350
+    seen = emulator.truth()
+    assert (seen.q_rad, seen.qd_rad_per_s, seen.spool_a) == (PlantConfig().initial_q_rad, (0.0,) * 3, (0.0,) * 3)
+    assert at(scene, 700).q_rad == PlantConfig().initial_q_rad
+
+
+def test_the_noise_of_a_trial_is_that_of_its_ticks(scene):
+    timeline, emulator = scene
+    emulator.load(PlantConfig(environment=Environment("plate", surface_m=-0.5)), 3, -10, 20)
+    emulator.begin()
+    readings = []
+    for number in (100, 200):
+        row = []
+        for tick in range(-10, 10):
+            timeline.tick, timeline.number = tick, number + tick
+            row.append(emulator.read().force_counts)
+        readings.append(row)
+    assert readings[0] == readings[1]
+    assert len(set(readings[0])) > 1

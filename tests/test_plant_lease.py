@@ -1,0 +1,42 @@
+import pytest
+
+from services.plant import lease
+from services.plant.lease import UNCHOSEN, LeaseChoice
+
+MS = 1_000_000
+
+
+@pytest.fixture
+def clock(monkeypatch):
+    now = [0]
+    monkeypatch.setattr(lease.time, "monotonic_ns", lambda: now[0])
+    return now
+
+
+@pytest.mark.parametrize(
+    ("worst_ns", "chosen_ns"),
+    [(0, 20 * MS), (20 * MS // 3, 20 * MS), (7 * MS, 21 * MS), (50 * MS, 150 * MS), (67 * MS, 200 * MS), (900 * MS, 200 * MS)],
+)
+def test_the_lease_is_three_times_the_worst_lateness_within_its_bounds(clock, worst_ns, chosen_ns):
+    choice = LeaseChoice(fixed=False)
+    assert [choice.after(late_ns) for late_ns in (1, worst_ns, 2)] == [UNCHOSEN] * 3
+    clock[0] = 2_000_000_000 - 1
+    assert choice.after(0) == UNCHOSEN
+    assert not choice.chosen
+    clock[0] = 2_000_000_000
+    assert choice.after(0) == chosen_ns
+    assert choice.chosen
+
+
+def test_a_lease_is_chosen_once(clock):
+    choice = LeaseChoice(fixed=False)
+    clock[0] = 3_000_000_000
+    assert choice.after(0) == 20 * MS
+    assert choice.after(50 * MS) == UNCHOSEN
+
+
+def test_a_fixed_lease_is_never_measured(clock):
+    choice = LeaseChoice(fixed=True)
+    clock[0] = 3_000_000_000
+    assert choice.chosen
+    assert choice.after(50 * MS) == UNCHOSEN

@@ -1,0 +1,180 @@
+import math
+
+import pytest
+from hypothesis import given, settings
+from hypothesis import strategies as st
+from supervisor_scene import CONFIG, FINE, LIMITS
+
+from services.supervisor.rules import RULES, WORDS, Limits, Observed, first_broken, fold
+from shared.kernel import compiled
+from shared.messages import GateState, TripCause
+
+NAN, INF = math.nan, math.inf
+RAW, TARED = CONFIG.raw_force_limit_n, CONFIG.force_limit_n
+LOW_RAD, HIGH_RAD = CONFIG.joint_low_rad, CONFIG.joint_high_rad
+LOW_M, HIGH_M = CONFIG.workspace_low_m, CONFIG.workspace_high_m
+first_broken_compiled = compiled(first_broken)
+
+
+def above(limit):
+    return math.nextafter(limit, INF)
+
+
+def below(limit):
+    return math.nextafter(limit, -INF)
+
+
+def one_of(field, index, value):
+    values = list(getattr(FINE, field))
+    values[index] = value
+    return {field: tuple(values)}
+
+
+AT_LIMIT = [
+    {"force_counts": 0},
+    {"force_counts": 517},
+    {"force_raw_n": RAW},
+    {"force_raw_n": -RAW},
+    {"force_tared_n": TARED},
+    {"force_tared_n": -TARED},
+    {"bias_n": 60.0},
+    {"bias_n": -60.0},
+    {"bias_spread_n": 15.0},
+    {"lost_samples": 4},
+    {"stale_ns": 20_000_000},
+    {"command_lag": 5},
+    {"command_lag": 0},
+    {"command_lag": 99, "tick": 0},
+    {"gate": int(GateState.OPEN)},
+    {"gate": int(GateState.SHUT)},
+    {"gate": int(GateState.RECOVERING)},
+    *(one_of("q_rad", i, LOW_RAD[i]) for i in range(3)),
+    *(one_of("q_rad", i, HIGH_RAD[i]) for i in range(3)),
+    *(one_of("tip_m", i, LOW_M[i]) for i in range(3)),
+    *(one_of("tip_m", i, HIGH_M[i]) for i in range(3)),
+]
+PAST = [  # what is seen, the cause, the number that broke, the limit it broke
+    ({"force_counts": -1}, TripCause.FORCE_INVALID, -1.0, 0.0),
+    ({"force_counts": 518}, TripCause.FORCE_INVALID, 518.0, 518.0),
+    ({"force_raw_n": above(RAW)}, TripCause.FORCE_RAW, above(RAW), RAW),
+    ({"force_raw_n": -above(RAW)}, TripCause.FORCE_RAW, -above(RAW), RAW),
+    ({"force_raw_n": NAN}, TripCause.FORCE_RAW, NAN, RAW),
+    ({"force_tared_n": above(TARED)}, TripCause.FORCE_TARED, above(TARED), TARED),
+    ({"force_tared_n": -above(TARED)}, TripCause.FORCE_TARED, -above(TARED), TARED),
+    ({"force_tared_n": NAN}, TripCause.FORCE_TARED, NAN, TARED),
+    ({"bias_n": above(60.0)}, TripCause.BIAS, above(60.0), 60.0),
+    ({"bias_n": -above(60.0)}, TripCause.BIAS, -above(60.0), 60.0),
+    ({"bias_n": NAN}, TripCause.BIAS, NAN, 60.0),
+    ({"bias_spread_n": above(15.0)}, TripCause.BIAS, above(15.0), 15.0),
+    ({"bias_spread_n": NAN}, TripCause.BIAS, NAN, 15.0),
+    *((one_of("q_rad", i, below(LOW_RAD[i])), TripCause.JOINT_LIMIT, below(LOW_RAD[i]), LOW_RAD[i]) for i in range(3)),
+    *((one_of("q_rad", i, above(HIGH_RAD[i])), TripCause.JOINT_LIMIT, above(HIGH_RAD[i]), HIGH_RAD[i]) for i in range(3)),
+    *((one_of("q_rad", i, NAN), TripCause.JOINT_LIMIT, NAN, LOW_RAD[i]) for i in range(3)),
+    *((one_of("tip_m", i, below(LOW_M[i])), TripCause.WORKSPACE, below(LOW_M[i]), LOW_M[i]) for i in range(3)),
+    *((one_of("tip_m", i, above(HIGH_M[i])), TripCause.WORKSPACE, above(HIGH_M[i]), HIGH_M[i]) for i in range(3)),
+    *((one_of("tip_m", i, NAN), TripCause.WORKSPACE, NAN, LOW_M[i]) for i in range(3)),
+    ({"lost_samples": 5}, TripCause.SAMPLE_LOST, 5.0, 4.0),
+    ({"lost_samples": -1}, TripCause.SAMPLE_LOST, -1.0, 0.0),
+    ({"stale_ns": 20_000_001}, TripCause.SAMPLE_STALE, 20_000_001e-9, 0.02),
+    ({"command_lag": 6}, TripCause.COMMAND_STALE, 6.0, 5.0),
+    ({"command_lag": 6, "tick": 1}, TripCause.COMMAND_STALE, 6.0, 5.0),
+    ({"command_lag": -1}, TripCause.COMMAND_STALE, -1.0, 0.0),
+    ({"gate": int(GateState.BURNED)}, TripCause.GATE_CUT, float(GateState.BURNED), float(GateState.OPEN)),
+    ({"ready": False}, TripCause.NOT_READY, 0.0, 1.0),
+]
+AT_REST = FINE._replace(moving=False, starting=False)
+ONLY_WHILE_MOVING = (TripCause.SAMPLE_LOST, TripCause.COMMAND_STALE, TripCause.GATE_CUT)
+ONLY_AT_THE_START = (TripCause.BIAS, TripCause.NOT_READY)
+
+
+def same(a, b):
+    return a == b or (a != a and b != b)
+
+
+def test_nothing_is_broken_when_all_holds():
+    assert first_broken(FINE, LIMITS) == (0, 0.0, 0.0)
+    assert first_broken(AT_REST, LIMITS) == (0, 0.0, 0.0)
+
+
+def test_the_limits_of_the_transport_are_leases_in_whole_samples():
+    assert (LIMITS.min_force_counts, LIMITS.max_force_counts) == (0, 518)
+    assert (LIMITS.lease_samples, LIMITS.lease_ns) == (4, 20_000_000)
+
+
+@pytest.mark.parametrize("changes", AT_LIMIT, ids=str)
+def test_a_rule_holds_on_its_limit(changes):
+    assert first_broken(FINE._replace(**changes), LIMITS) == (0, 0.0, 0.0)
+
+
+@pytest.mark.parametrize(("changes", "cause", "measured", "limit"), PAST, ids=lambda value: str(value)[:40])
+def test_a_rule_breaks_just_past_its_limit_and_tells_its_own_numbers(changes, cause, measured, limit):
+    found = first_broken(FINE._replace(**changes), LIMITS)
+    assert found[0] == cause
+    assert same(found[1], measured)
+    assert found[2] == pytest.approx(limit, rel=1e-12)
+
+
+@pytest.mark.parametrize(("changes", "cause", "measured", "limit"), PAST, ids=lambda value: str(value)[:40])
+def test_at_rest_only_what_can_be_judged_at_rest_is(changes, cause, measured, limit):
+    found = first_broken(AT_REST._replace(**changes), LIMITS)[0]
+    assert found == (0 if cause in ONLY_WHILE_MOVING + ONLY_AT_THE_START else cause)
+    assert first_broken(AT_REST._replace(starting=True, **changes), LIMITS)[0] == (0 if cause in ONLY_WHILE_MOVING else cause)
+    assert first_broken(AT_REST._replace(moving=True, **changes), LIMITS)[0] == (0 if cause in ONLY_AT_THE_START else cause)
+
+
+def test_the_rows_stand_in_the_order_of_severity_and_every_cause_has_words():
+    causes = [int(rule.cause) for rule in RULES]
+    assert causes == sorted(set(causes))
+    assert set(WORDS) >= {rule.cause for rule in RULES} | {TripCause.NONE, TripCause.ESTOP}
+    assert all(WORDS[rule.cause] == rule.words for rule in RULES)
+
+
+def test_of_several_broken_rows_the_first_decides():
+    seen = FINE
+    for changes, cause, measured, limit in reversed(PAST):
+        before = first_broken(seen, LIMITS)[0]
+        seen = seen._replace(**changes)
+        found = first_broken(seen, LIMITS)
+        assert found[0] == min(cause, before or cause)
+        if before != cause:
+            assert same(found[1], measured)
+            assert found[2] == pytest.approx(limit, rel=1e-12)
+
+
+def test_every_row_alone_is_folded_to_itself():
+    for rule in RULES:
+        alone = fold((rule,))
+        for changes, cause, _, _ in PAST:
+            assert alone(FINE._replace(**changes), LIMITS)[0] == (int(cause) if cause == rule.cause else 0)
+    assert fold(())(FINE._replace(ready=False), LIMITS) == (0, 0.0, 0.0)
+
+
+ANY_FLOAT = st.floats() | st.sampled_from([0.0, RAW, TARED, 60.0, 15.0, -2.0, 2.0])
+TRIPLES = st.tuples(ANY_FLOAT, ANY_FLOAT, ANY_FLOAT)
+INTS = st.integers(-10, 600)
+SEEN = st.builds(
+    Observed,
+    st.booleans(),
+    st.booleans(),
+    INTS,
+    ANY_FLOAT,
+    ANY_FLOAT,
+    ANY_FLOAT,
+    ANY_FLOAT,
+    TRIPLES | st.just(FINE.q_rad),
+    TRIPLES | st.just(FINE.tip_m),
+    INTS,
+    st.integers(0, 30_000_000),
+    INTS,
+    st.integers(0, 3),
+    INTS,
+    st.booleans(),
+)
+
+
+@settings(max_examples=300, deadline=None)
+@given(SEEN)
+def test_plain_and_compiled_rules_agree_on_anything(seen):
+    plain, machine = first_broken(seen, LIMITS), first_broken_compiled(seen, LIMITS)
+    assert all(same(a, b) for a, b in zip(plain, machine, strict=True))
+    assert isinstance(LIMITS, Limits)

@@ -1,0 +1,311 @@
+import math
+
+import numpy as np
+import pytest
+from hypothesis import given, settings
+from hypothesis import strategies as st
+from supervisor_scene import ABOUT, BIAS, CONFIG, DURATION, LEVEL, N_PER_COUNT, PARAMS, asked, running, sample, step
+
+from services.plant.config import GateLimits
+from services.supervisor.modes import Event
+from services.supervisor.params import below_gate, supervisor_params
+from services.supervisor.step import SupervisorMemory, observe, supervisor_step
+from shared.kernel import compiled
+from shared.messages import NO_COMMAND, NO_TRIAL, GateState, Mode, TripCause
+from shared.pose import UNIMATE_GEOMETRY, forward, joint_positions
+
+HEAVY = 300  # counts: 405 N, above 334 + 60 N
+DISARMED = SupervisorMemory()
+supervisor_step_compiled = compiled(supervisor_step)
+
+
+def tripped(**changes):
+    return step(running(), sample(50, 5, force_counts=HEAVY, **changes))
+
+
+def armed(at=10):
+    return step(DISARMED, sample(at), asked(Event.ARM))
+
+
+def started(at=20):
+    return step(armed(at - 1), sample(at), asked(Event.START))
+
+
+def test_an_arming_number_is_drawn_on_arming_and_stays_until_disarmed():
+    memory = armed()
+    assert (memory.mode, memory.arming, memory.armed_at) == (Mode.ARMED, 4711, 10)
+    later = step(memory, sample(11), asked(new_arming=99))
+    assert later.arming == 4711
+    assert step(later, sample(12), asked(Event.START, new_arming=99)).arming == 4711
+    assert step(later, sample(12), asked(Event.STOP, new_arming=99)).arming == 0
+
+
+@pytest.mark.parametrize("event", [event for event in Event if event not in (Event.ARM, Event.ESTOP)])
+def test_nothing_but_arm_draws_a_number_for_a_disarmed_machine(event):
+    memory = step(DISARMED, sample(10), asked(event))
+    assert (memory.mode, memory.arming) == (Mode.DISARMED, 0)
+
+
+def test_arming_is_refused_unless_all_agree_and_nothing_is_broken():
+    assert step(DISARMED, sample(10), asked(Event.ARM, agreed=False)).mode == Mode.DISARMED
+    assert step(DISARMED, sample(10, force_counts=HEAVY), asked(Event.ARM)).mode == Mode.DISARMED
+
+
+def test_armed_times_out_after_sixty_seconds_and_not_a_sample_earlier():
+    memory, samples = armed(), 60_000_000_000 // ABOUT.sample_period_ns
+    assert step(memory, sample(10 + samples)).mode == Mode.ARMED
+    assert step(memory, sample(10 + samples + 1)).mode == Mode.DISARMED
+    assert step(memory, sample(10 + samples + 1), asked(Event.START)).mode == Mode.DISARMED
+
+
+def test_the_first_sample_is_announced_a_quarter_second_ahead():
+    memory, permit = supervisor_step(armed(), PARAMS, sample(20), asked(Event.START))
+    assert (memory.mode, permit.mode, permit.first_sample) == (Mode.RUNNING, Mode.RUNNING, 20 + 250_000_000 // 4_500_000)
+    assert (permit.duration_ticks, permit.bias_ticks) == (DURATION, BIAS)
+    assert step(memory, sample(21), asked(Event.START)).first_sample == memory.first_sample
+
+
+def test_a_trial_ends_at_its_declared_sample():
+    memory = running(tick=DURATION - 2)
+    last = step(memory, sample(50, DURATION - 1))
+    assert last.mode == Mode.RUNNING
+    end = step(running(tick=DURATION), sample(50))
+    assert (end.mode, end.arming, end.cause, end.first_sample) == (Mode.DISARMED, 0, TripCause.NONE, NO_COMMAND)
+
+
+def test_a_trip_latches_cause_numbers_and_sample_and_loses_the_arming():
+    memory, permit = supervisor_step(running(), PARAMS, sample(50, 5, force_counts=HEAVY), asked())
+    assert (memory.mode, memory.arming, memory.cause, memory.trip_number) == (Mode.TRIPPED, 0, TripCause.FORCE_RAW, 50)
+    assert (memory.measured, memory.limit) == (HEAVY * N_PER_COUNT, CONFIG.raw_force_limit_n)
+    assert (permit.mode, permit.cause, permit.measured, permit.limit, permit.trip_number) == (
+        Mode.TRIPPED,
+        TripCause.FORCE_RAW,
+        memory.measured,
+        memory.limit,
+        50,
+    )
+    later = step(memory, sample(51, 6, force_counts=600))  # worse, but the first cause stays
+    assert (later.cause, later.measured, later.trip_number, later.first_sample) == (
+        memory.cause,
+        memory.measured,
+        50,
+        NO_COMMAND,
+    )
+
+
+def test_a_reset_is_refused_while_the_cause_stands_and_clears_it_afterwards():
+    memory = tripped()
+    refused = step(memory, sample(51, force_counts=HEAVY), asked(Event.RESET))
+    assert (refused.mode, refused.cause) == (Mode.TRIPPED, TripCause.FORCE_RAW)
+    reset = step(refused, sample(52), asked(Event.RESET))
+    assert (reset.mode, reset.arming, reset.cause, reset.measured, reset.limit) == (Mode.DISARMED, 0, 0, 0.0, 0.0)
+    assert (reset.trip_number, reset.first_sample, reset.recover_signs) == (NO_COMMAND, NO_COMMAND, (0, 0, 0))
+
+
+@pytest.mark.parametrize("stop", [asked(Event.ESTOP), asked(estop=True)])
+def test_an_emergency_stop_names_itself_even_when_a_rule_breaks_too(stop):
+    memory = step(running(), sample(50, 5, force_counts=HEAVY), stop)
+    assert (memory.mode, memory.cause, memory.measured, memory.limit, memory.arming) == (
+        Mode.TRIPPED,
+        TripCause.ESTOP,
+        0.0,
+        0.0,
+        0,
+    )
+
+
+def test_samples_that_stop_trip_a_running_trial():
+    memory = step(running(last_number=50), sample(50, 5), asked(stale_ns=20_000_001))
+    assert (memory.mode, memory.cause) == (Mode.TRIPPED, TripCause.SAMPLE_STALE)
+    assert (memory.measured, memory.limit) == pytest.approx((0.020000001, 0.02))
+
+
+@pytest.mark.parametrize(("number", "mode"), [(50, Mode.RUNNING), (54, Mode.RUNNING), (55, Mode.TRIPPED)])
+def test_a_lease_of_lost_samples_is_borne_and_one_more_trips(number, mode):
+    memory = step(running(), sample(number, number - 45))
+    assert (memory.mode, memory.last_number) == (mode, number)
+    assert memory.cause == (TripCause.NONE if mode == Mode.RUNNING else TripCause.SAMPLE_LOST)
+
+
+@pytest.mark.parametrize("number", [0, 49])
+def test_a_plant_that_starts_anew_trips_a_running_trial(number):
+    memory = step(running(), sample(number, NO_TRIAL))
+    assert (memory.mode, memory.cause) == (Mode.TRIPPED, TripCause.SAMPLE_LOST)
+
+
+@pytest.mark.parametrize(("lag", "mode"), [(1, Mode.RUNNING), (5, Mode.RUNNING), (6, Mode.TRIPPED), (-1, Mode.TRIPPED)])
+def test_a_controller_that_does_not_advance_trips(lag, mode):
+    assert step(running(), sample(50, 5, command_number=50 - lag)).mode == mode
+
+
+def test_a_gate_that_has_cut_trips():
+    memory = step(running(), sample(50, 5, gate=int(GateState.BURNED)))
+    assert (memory.mode, memory.cause) == (Mode.TRIPPED, TripCause.GATE_CUT)
+
+
+@pytest.mark.parametrize("tick", [-1, 0, 1])
+def test_a_controller_that_is_not_ready_trips_even_if_the_sample_before_tick_0_is_lost(tick):
+    start = running(tick=tick)
+    assert step(start, sample(50, tick)).mode == Mode.RUNNING
+    memory = step(start, sample(50, tick), asked(controller_ready=False))
+    assert (memory.mode, memory.cause) == (Mode.TRIPPED, TripCause.NOT_READY)
+    assert step(running(tick=-2), sample(50, -2), asked(controller_ready=False)).mode == Mode.RUNNING
+
+
+@pytest.mark.parametrize("tick", [-1, 0, 1])
+def test_a_bias_above_its_limit_trips_even_if_the_sample_before_tick_0_is_lost(tick):
+    counts = math.ceil(61.0 / N_PER_COUNT)
+    bias_n = counts * N_PER_COUNT
+    biased = running(tick=tick, bias_n=bias_n, bias_sum_n=bias_n * BIAS, bias_square_n2=bias_n * bias_n * BIAS)
+    memory = step(biased, sample(50, tick, force_counts=counts))
+    assert (memory.mode, memory.cause, memory.limit) == (Mode.TRIPPED, TripCause.BIAS, 60.0)
+
+
+def play_bias(counts, memory=None, lost=()):
+    memory = memory or started()
+    for row, count in enumerate(counts):
+        if row not in lost:
+            memory = step(memory, sample(memory.first_sample + row, row - BIAS, force_counts=count))
+    return memory
+
+
+@given(st.lists(st.integers(0, 40), min_size=BIAS, max_size=BIAS))
+def test_bias_and_spread_are_mean_and_standard_deviation_of_the_negative_ticks(counts):
+    memory = play_bias(counts)
+    force_n = np.array(counts) * N_PER_COUNT
+    assert memory.bias_n == pytest.approx(force_n.mean(), rel=1e-12, abs=1e-12)
+    assert memory.bias_spread_n == pytest.approx(force_n.std(), rel=1e-6, abs=1e-5)
+    assert memory.bias_count == BIAS
+
+
+def test_the_bias_of_a_trial_before_leaves_no_trace_even_if_the_first_tick_is_lost():
+    soiled = started()._replace(
+        mode=int(Mode.DISARMED), arming=0, bias_n=50.0, bias_sum_n=5000.0, bias_square_n2=1e6, bias_count=100
+    )
+    memory = step(step(soiled, sample(30), asked(Event.ARM)), sample(31), asked(Event.START))
+    memory = play_bias([10] * BIAS, memory, lost=(0,))
+    assert memory.bias_n == pytest.approx(10 * N_PER_COUNT)
+    assert memory.bias_count == BIAS - 1
+
+
+def test_ticks_from_zero_on_and_absence_leave_the_bias_alone():
+    memory = play_bias([10] * BIAS)
+    later = step(memory, sample(memory.first_sample + BIAS, 0, force_counts=100))
+    assert later[10:15] == memory[10:15]
+    absent = step(memory, sample(memory.last_number, -1, force_counts=100), asked(stale_ns=1))
+    assert absent[10:15] == memory[10:15]
+    assert step(memory, sample(memory.last_number + 1, -BIAS - 1, force_counts=100))[10:15] == memory[10:15]
+
+
+def test_tared_force_is_raw_force_without_the_bias():
+    seen = observe(running(bias_n=20.0), PARAMS, sample(50, 5, force_counts=100), asked())
+    assert (seen.force_raw_n, seen.force_tared_n) == (100 * N_PER_COUNT, 100 * N_PER_COUNT - 20.0)
+
+
+def test_recovery_draws_its_own_arming_and_shows_the_unloading_signs():
+    memory, permit = supervisor_step(tripped(), PARAMS, sample(51, force_counts=HEAVY), asked(Event.HOLD_RECOVER, new_arming=88))
+    assert (memory.mode, memory.arming, permit.mode) == (Mode.RECOVER, 88, Mode.RECOVER)
+    assert permit.recover_signs == memory.recover_signs != (0, 0, 0)
+    held = step(memory, sample(52, force_counts=HEAVY), asked(Event.HOLD_RECOVER, new_arming=89))
+    assert held.arming == 88
+    released, shown = supervisor_step(held, PARAMS, sample(53, force_counts=HEAVY), asked(Event.RELEASE))
+    assert (released.mode, released.arming, released.cause, shown.recover_signs) == (
+        Mode.TRIPPED,
+        0,
+        TripCause.FORCE_RAW,
+        (0, 0, 0),
+    )
+    again = step(released, sample(54, force_counts=HEAVY), asked(Event.HOLD_RECOVER, new_arming=90))
+    assert (again.mode, again.arming) == (Mode.RECOVER, 90)
+
+
+def test_recovery_lasts_as_long_as_its_lease_is_renewed_and_not_a_sample_longer():
+    lease = 300_000_000 // ABOUT.sample_period_ns
+    memory = step(tripped(), sample(51, force_counts=HEAVY), asked(Event.HOLD_RECOVER))
+    assert step(memory, sample(51 + lease - 1, force_counts=HEAVY)).mode == Mode.RECOVER
+    assert step(memory, sample(51 + lease, force_counts=HEAVY)).mode == Mode.TRIPPED
+    renewed = step(memory, sample(51 + lease - 1, force_counts=HEAVY), asked(Event.HOLD_RECOVER))
+    assert step(renewed, sample(51 + lease, force_counts=HEAVY)).mode == Mode.RECOVER
+
+
+def test_recovery_from_a_joint_limit_trips_anew_on_a_force():
+    outside = (4031, 0, 207, 0, 33)  # link 2 at +27.6 deg
+    memory = step(running(), sample(50, 5, encoder_counts=outside))
+    assert (memory.cause, memory.recover_signs) == (TripCause.JOINT_LIMIT, (0, -1, 0))
+    memory = step(memory, sample(51, encoder_counts=outside), asked(Event.HOLD_RECOVER))
+    assert memory.mode == Mode.RECOVER
+    memory = step(memory, sample(52, encoder_counts=outside, force_counts=HEAVY))
+    assert (memory.mode, memory.cause, memory.trip_number) == (Mode.TRIPPED, TripCause.FORCE_RAW, 52)
+
+
+@pytest.mark.parametrize(("axis", "sign"), [(2, 1.0), (2, -1.0), (0, 1.0), (0, -1.0)])
+def test_the_unloading_sign_moves_the_tip_the_way_the_environment_pushes(axis, sign):
+    params = PARAMS._replace(force_axis=axis, force_sign=sign)
+    memory = supervisor_step(running(), params, sample(50, 5, force_counts=HEAVY), asked())[0]
+    q, pitch_rad = joint_positions(params.calibration, LEVEL)
+    moved = tuple(a + 0.01 * b for a, b in zip(q, memory.recover_signs, strict=True))
+    assert sum(map(abs, memory.recover_signs)) == 1
+    way_m = forward(UNIMATE_GEOMETRY, moved, pitch_rad)[axis] - forward(UNIMATE_GEOMETRY, q, pitch_rad)[axis]
+    assert way_m * sign > 0.004
+
+
+@pytest.mark.parametrize(
+    ("counts", "signs"),
+    [((100, 971, 207, 0, 33), (1, 0, 0)), ((8000, 971, 207, 0, 33), (-1, 0, 0)), ((4031, 2040, 207, 0, 33), (0, 1, 0))],
+)
+def test_beyond_a_joint_limit_recovery_leads_inward(counts, signs):
+    memory = step(running(), sample(50, 5, encoder_counts=counts))
+    assert (memory.cause, memory.recover_signs) == (TripCause.JOINT_LIMIT, signs)
+
+
+def test_a_cause_without_a_direction_cannot_be_recovered_from():
+    memory = step(running(), sample(50, 5, gate=int(GateState.BURNED)))
+    assert memory.recover_signs == (0, 0, 0)
+    assert step(memory, sample(51), asked(Event.HOLD_RECOVER)).mode == Mode.TRIPPED
+
+
+def test_arming_needs_limit_bias_and_noise_below_the_gates_limit():
+    at = CONFIG.force_limit_n + CONFIG.bias_limit_n + 10.0
+    assert not below_gate(CONFIG, ABOUT._replace(gate_force_limit_n=at))
+    assert below_gate(CONFIG, ABOUT._replace(gate_force_limit_n=math.nextafter(at, 1e9)))
+    assert below_gate(CONFIG, ABOUT._replace(gate_force_limit_n=GateLimits().force_limit_n))
+
+
+def test_a_longer_lease_bears_more_lost_samples():
+    longer = supervisor_params(CONFIG, ABOUT._replace(permit_ttl_ns=60_000_000), BIAS, DURATION)
+    assert (longer.limits.lease_samples, longer.limits.lease_ns) == (13, 60_000_000)
+
+
+SAMPLES = st.builds(
+    lambda number, tick, counts, force, gate, answered: sample(
+        number, tick, encoder_counts=counts, force_counts=force, gate=gate, command_number=answered
+    ),
+    st.integers(0, 400),
+    st.sampled_from([NO_TRIAL, *range(-BIAS - 1, 3), DURATION]),
+    st.sampled_from([LEVEL, (0, 0, 0, 0, 0), (8191, 2047, 1023, 1023, 2047), (4031, 0, 207, 0, 33)]),
+    st.sampled_from([-1, 0, 4, 40, 60, 240, HEAVY, 517, 518]),
+    st.integers(0, 3),
+    st.integers(-1, 400),
+)
+ASKS = st.builds(
+    lambda event, agreed, ready, estop, stale: asked(event, agreed=agreed, controller_ready=ready, estop=estop, stale_ns=stale),
+    st.sampled_from(Event),
+    st.booleans(),
+    st.booleans(),
+    st.sampled_from([False, False, False, True]),
+    st.sampled_from([0, 0, 20_000_000, 20_000_001]),
+)
+
+
+@settings(max_examples=150, deadline=None)
+@given(st.sampled_from([DISARMED, armed(), started(), running(), tripped()]), st.lists(st.tuples(SAMPLES, ASKS), max_size=8))
+def test_plain_and_compiled_supervisors_agree_and_permit_nothing_without_an_arming(memory, steps):
+    machine = memory
+    for seen, wanted in steps:
+        before = memory
+        memory, permit = supervisor_step(memory, PARAMS, seen, wanted)
+        machine, shown = supervisor_step_compiled(machine, PARAMS, seen, wanted)
+        assert (tuple(machine), tuple(shown)) == (memory, permit)
+        assert (memory.arming != 0) == (memory.mode in (Mode.ARMED, Mode.RUNNING, Mode.RECOVER))
+        if wanted.event == Event.NOTHING:
+            assert memory.arming in (0, before.arming)
