@@ -76,11 +76,16 @@ def series(given: Any, experiment: Experiment, local: Trace, *, realtime: bool) 
     with rig.running(place, rig.services_options(realtime=realtime)):
         for clock in given.clock or ("lockstep", "real"):
             for number in range(given.runs):
-                with rig.console.status(f"{clock}, {'real-time' if realtime else 'normal'} scheduling: {number + 1} of {given.runs}"):
+                with rig.console.status(f"{clock}, {scheduling(realtime)}: {number + 1} of {given.runs}"):
                     result = trial(place, given.experiment, given.set, clock, given.seed, local)
                 results.append(result | {"realtime": realtime, "run": number})
                 rig.console.print(words(results[-1]))
     return results
+
+
+def scheduling(realtime: bool) -> str:
+    """Scheduling class in words."""
+    return "real-time" if realtime else "normal"
 
 
 def words(result: dict[str, Any]) -> str:
@@ -93,7 +98,8 @@ def words(result: dict[str, Any]) -> str:
         return f"{name}  equal to local; {counts}"
     where = result["difference"]
     reason = "lateness explains it" if not result["clean"] else "NOTHING EXPLAINS IT"
-    return f"{name}  differs from tick {where['tick']} in {where['field']} ({where['here']}, local {where['local']}); {counts}; {reason}"
+    values = f"{where['here']}, local {where['local']}"
+    return f"{name}  differs from tick {where['tick']} in {where['field']} ({values}); {counts}; {reason}"
 
 
 def main() -> int:
@@ -108,7 +114,7 @@ def main() -> int:
     given = line.parse_args()
     experiment = with_overrides(find(given.experiment), given.set)
     local = rollout(experiment, given.seed)
-    classes = [realtime for realtime in (True, False) if not (given.no_realtime and realtime or given.realtime and not realtime)]
+    classes = [wanted for wanted, unwanted in ((True, given.no_realtime), (False, given.realtime)) if not unwanted]
     results = [result for realtime in classes for result in series(given, experiment, local, realtime=realtime)]
     rows, unexplained = [], 0
     for key in sorted({(result["clock"], result["realtime"]) for result in results}):
@@ -116,7 +122,7 @@ def main() -> int:
         clean = [result for result in these if result["clean"]]
         completed, equal = sum(result["completed"] for result in these), sum(result["equal"] for result in clean)
         unexplained += len(clean) - equal
-        rows.append((key[0], "real-time" if key[1] else "normal", len(these), completed, len(clean), equal))
+        rows.append((key[0], scheduling(key[1]), len(these), completed, len(clean), equal))
     rig.table(experiment.name, ("clock", "scheduling", "runs", "completed", "clean", "equal of the clean"), rows)
     rig.finish(given.json, {"experiment": experiment.name, "seed": given.seed, "results": results, "unexplained": unexplained})
     return 1 if unexplained else 0

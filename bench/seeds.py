@@ -70,7 +70,9 @@ def main() -> int:
     for trip in trips:
         rig.console.print(f"[red]TRIPPED[/] {trip}")
     full = sum(claim["holds"] == given.seeds for result in results for claim in result["claims"])
-    rig.console.print(f"{len(results)} experiments, {given.seeds} seeds: {len(trips)} trips; {full} of {len(rows)} claims hold in all")
+    rig.console.print(
+        f"{len(results)} experiments, {given.seeds} seeds: {len(trips)} trips; {full} of {len(rows)} claims always hold"
+    )
     rig.console.print(f"local clock: {times:.0f} times real time ({SPEED_OF}, after compilation)")
     rig.finish(given.json, {"seeds": given.seeds, "experiments": results, "trips": len(trips), "times_real_time": times})
     return 1 if trips else 0

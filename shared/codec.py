@@ -10,6 +10,7 @@ resequencing; epoch, run and arming insertion; echo delay; cell and sender masqu
 import zlib
 from collections.abc import Callable
 from functools import cache
+from operator import itemgetter
 from typing import Annotated, Any, NamedTuple, get_args, get_origin, get_type_hints
 
 import msgpack
@@ -59,10 +60,6 @@ class Rejected(NamedTuple):
     detail: str
 
 
-_HEADER_TYPES = tuple(Header.__annotations__.values())
-_FRAME_LENGTH = len(Header._fields) + 1
-
-
 def crc(key: str, packed: bytes) -> bytes:
     """CRC-32 over key expression and bytes, so that a frame replayed on another key is corrupt."""
     return zlib.crc32(packed, zlib.crc32(key.encode() + b"\0")).to_bytes(_CRC_BYTES, "little")
@@ -94,9 +91,9 @@ def decode(key: str, topic: Topic, cell: str, frame: bytes, arrival_ns: int) -> 
     if type(fields) is not tuple or not fields or fields[0] != WIRE_VERSION or type(fields[0]) is not int:
         found = fields[0] if type(fields) is tuple and fields else type(fields).__name__
         return reject("version", f"wire version {str(found)[:MAX_NAME]}, this is {WIRE_VERSION}")
-    if len(fields) != _FRAME_LENGTH or not all(_is(t, v) for t, v in zip(_HEADER_TYPES, fields, strict=False)):
+    header = _shape(Header)(fields[:-1])
+    if header is None:
         return reject("malformed", "header")
-    header = Header(*fields[:-1])
     if header.schema != topic.schema:
         return reject("schema", f"schema {header.schema}, {topic.key} is {topic.schema}")
     if header.cell != cell:
@@ -114,43 +111,60 @@ def _first_request_schema() -> int:
     return min(schema for schema, topic in BY_SCHEMA.items() if topic.key.startswith("operator/"))
 
 
-def _is(expected: Any, value: Any) -> bool:
-    """Type-strict: a bool is no int, an int is no float, an int fits 64 bits."""
-    if expected is int:
-        return type(value) is int and -_INT64 <= value < _INT64
-    return type(value) is expected
+def _fits(values: tuple[int, ...]) -> bool:
+    """Whether every int fits 64 bits; msgpack carries larger ones."""
+    return not values or (min(values) >= -_INT64 and max(values) < _INT64)
 
 
 @cache
 def _shape(message: Any) -> Callable[[Any], Any]:
-    """Checker and builder for one message class: the message, or None if anything differs."""
-    hints = get_type_hints(message, include_extras=True)
-    checks = tuple(_field(hint) for hint in hints.values())
+    """Checker and builder for one message class: the message, or None if anything differs.
+
+    Type-strict: a bool is no int, an int is no float.
+    """
+    hints = list(get_type_hints(message, include_extras=True).values())
+    kinds = tuple(hint if isinstance(hint, type) and not hasattr(hint, "_fields") else tuple for hint in hints)
+    places = [place for place, kind in enumerate(kinds) if kind is int]
+    whole = itemgetter(*places, *places) if places else tuple  # twice, so that one place gives a tuple as well
+    inner = [(place, _inner(hint)) for place, hint in enumerate(hints) if kinds[place] is tuple]
 
     def build(values: Any) -> Any:
-        if type(values) is not tuple or len(values) != len(checks):
+        if type(values) is not tuple or tuple(map(type, values)) != kinds or (places and not _fits(whole(values))):
             return None
-        made = tuple(check(value) for check, value in zip(checks, values, strict=True))
-        return None if any(value is None for value in made) else message(*made)
+        made = list(values)
+        for place, check in inner:
+            made[place] = check(values[place])
+            if made[place] is None:
+                return None
+        return message._make(made)
 
     return build
 
 
-def _field(hint: Any) -> Callable[[Any], Any]:
-    """Checker for one field: its value, or None."""
-    if get_origin(hint) is Annotated:
-        kind, *bounds = get_args(hint)
-        length = next((bound.min_length for bound in bounds if isinstance(bound, Len)), 0)
-        inner = _field(kind)
-        return lambda value: inner(value) if type(value) is tuple and len(value) == length else None
-    if get_origin(hint) is tuple:
-        item = _field(get_args(hint)[0])
-
-        def items(value: Any) -> Any:
-            made = tuple(item(v) for v in value) if type(value) is tuple else (None,)
-            return None if any(v is None for v in made) else made
-
-        return items
+def _inner(hint: Any) -> Callable[[Any], Any]:
+    """Checker for a field that is a tuple or a message of its own: its value, or None."""
     if hasattr(hint, "_fields"):
         return _shape(hint)
-    return lambda value: value if _is(hint, value) else None
+    kind, *bounds = get_args(hint) if get_origin(hint) is Annotated else (hint,)
+    length = next((bound.min_length for bound in bounds if isinstance(bound, Len)), None)
+    item = get_args(kind)[0]
+    if hasattr(item, "_fields"):
+        return _messages(_shape(item))
+    only = {item}
+
+    def scalars(value: Any) -> Any:
+        if length is not None and len(value) != length:
+            return None
+        if value and set(map(type, value)) != only:
+            return None
+        return value if item is not int or _fits(value) else None
+
+    return scalars
+
+
+def _messages(build: Callable[[Any], Any]) -> Callable[[Any], Any]:
+    def check(value: Any) -> Any:
+        made = tuple(map(build, value))
+        return None if None in made else made
+
+    return check

@@ -21,7 +21,7 @@ class Options(NamedTuple):
     cell: str = "cell"
     port: int = DEFAULT_PORT
     realtime: bool = True
-    with_parent: bool = False  # end when the starting process ends, however it ends
+    with_parent: int = 0  # the starting process: end when it ends, however it ends; 0 = stay
 
 
 def parser(service: str, description: str | None) -> argparse.ArgumentParser:
@@ -34,7 +34,15 @@ def parser(service: str, description: str | None) -> argparse.ArgumentParser:
     made.add_argument("--cell", default="cell", help="name of the cell; several share one network (cell)")
     made.add_argument("--port", type=int, default=DEFAULT_PORT, help=f"first of the cell's four ports ({DEFAULT_PORT})")
     made.add_argument("--no-realtime", action="store_true", help="ask for no real-time scheduling")
-    made.add_argument("--with-parent", action="store_true", help="end when the starting process ends, however it ends")
+    made.add_argument(
+        "--with-parent",
+        nargs="?",
+        type=int,
+        const=os.getppid(),
+        default=0,
+        metavar="PID",
+        help="end when the starting process ends, however it ends",
+    )
     return made
 
 
@@ -50,10 +58,8 @@ def draw_number() -> int:
 
 def serve(service: str, options: Options, run: Callable[[Bus, Callable[[], bool]], None]) -> int:
     """Open the bus and call `run(bus, stopped)` until a signal; returns the exit status."""
-    if options.with_parent:
-        die_with_parent()
-        if os.getppid() == 1:
-            return EXIT_OK
+    if options.with_parent and not die_with_parent(options.with_parent):
+        return EXIT_OK
     stop: list[int] = []
     granted = claim(service, realtime=options.realtime)
     try:

@@ -70,6 +70,7 @@ def quiet_garbage_collection() -> None:
     gc.disable()
 
 
-def die_with_parent() -> None:
-    """Ask the kernel for a SIGTERM when the starting process dies, however it dies."""
+def die_with_parent(parent: int) -> bool:
+    """Ask the kernel for a SIGTERM when the starting process dies, however it dies; False if it is dead already."""
     ctypes.CDLL(None).prctl(_PR_SET_PDEATHSIG, signal.SIGTERM, 0, 0, 0)
+    return os.getppid() == parent

@@ -1,4 +1,5 @@
 import pytest
+from gate_scene import FINE
 from wire_scene import ZERO, FakeBus, command_body, header, permit_body
 
 from services.plant.config import GateLimits
@@ -39,11 +40,19 @@ class Scene:
 
     def permit(self, arming=77, mode=Mode.RUNNING, **changes):
         self.seq += 1
-        self.bus.send("supervisor/permit", header("supervisor/permit", self.seq, arming=arming, **(self.echo() | changes)), permit_body(mode))
+        self.bus.send(
+            "supervisor/permit",
+            header("supervisor/permit", self.seq, arming=arming, **(self.echo() | changes)),
+            permit_body(mode),
+        )
 
     def command(self, codes=ZERO, arming=77, **changes):
         self.seq += 1
-        self.bus.send("controller/command", header("controller/command", self.seq, arming=arming, **(self.echo() | changes)), command_body(codes))
+        self.bus.send(
+            "controller/command",
+            header("controller/command", self.seq, arming=arming, **(self.echo() | changes)),
+            command_body(codes),
+        )
 
     def judge(self, **changes):
         self.keeper.receive(self.now_ns, at_latch=True, late=self.late.append)
@@ -190,10 +199,4 @@ def test_an_invalid_force_is_told_with_the_limit_it_broke(counts, limit):
 
 
 def test_a_decision_without_a_number_tells_zeros():
-    assert numbers(int(GateCause.ESTOP), None_seen(), GateLimits()) == (0.0, 0.0)
-
-
-def None_seen():
-    from gate_scene import FINE
-
-    return FINE
+    assert numbers(int(GateCause.ESTOP), FINE, GateLimits()) == (0.0, 0.0)

@@ -50,7 +50,7 @@ def start(place: Place, services: Iterable[str], *, with_parent: bool, extra: di
     started = {}
     for service in services:
         line = [sys.executable, "-m", f"services.{service}", "--cell", place.cell, "--port", str(place.port)]
-        line += ["--with-parent"] * with_parent + extra.get(service, [])
+        line += ["--with-parent", str(os.getpid())] * with_parent + extra.get(service, [])
         with (place.folder / f"{service}.log").open("wb") as log:
             started[service] = subprocess.Popen(
                 line, stdout=log, stderr=subprocess.STDOUT, stdin=subprocess.DEVNULL, start_new_session=not with_parent

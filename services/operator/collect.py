@@ -8,7 +8,7 @@ import numpy as np
 from experiments.trace import Trace
 from shared.bus import Bus
 from shared.codec import Received
-from shared.messages import NO_TRIAL
+from shared.messages import NO_TRIAL, GateCause, GateState
 from shared.units import NS_PER_S
 
 _FROM_STATE = (
@@ -26,6 +26,22 @@ _FROM_STATE = (
 DEPTH = 1 << 20  # frames; an hour at 222 Hz
 
 
+CUTS = {
+    GateCause.PERMIT_STALE: "the supervisor's permits have stopped (s)",
+    GateCause.COMMAND_STALE: "the controller's commands have stopped (s)",
+    GateCause.NOT_RUNNING: "the supervisor no longer permits motion",
+    GateCause.OTHER_ARMING: "permit and command are of different armings",
+    GateCause.EPOCH_CHANGED: "controller or supervisor was restarted, or there are two",
+    GateCause.IMPOSSIBLE_ECHO: "a permit or command answers a sample that the plant never sent",
+    GateCause.OUT_OF_RANGE: "the controller's code is outside the converter's range",
+    GateCause.BEYOND_SLEW: "the controller's code is beyond the slew limit",
+    GateCause.FORCE_INVALID: "the force reading is outside the gauge's range or saturated (counts)",
+    GateCause.FORCE_ABOVE_LIMIT: "the raw force is above the gate's own limit (N)",
+    GateCause.ESTOP: "the operator's emergency stop",
+    GateCause.OVERSLEPT: "the plant stood still for longer than the lease",
+}
+
+
 class GapError(Exception):
     """A tick is missing; without it there is no verdict."""
 
@@ -40,6 +56,16 @@ class Collector:
         self.states = bus.subscribe("controller/state", DEPTH)
         self.permits = bus.subscribe("supervisor/permit", DEPTH)
         self.gate_events = bus.subscribe("plant/gate", DEPTH)
+
+    def cut(self, run: int) -> str:
+        """Why the gate cut in this run, in words; "" if it told of no cut."""
+        events = (m.body for m in self.gate_events.take() if m.header.run == run)
+        event = next((body for body in events if body.state == GateState.BURNED), None)
+        if event is None:
+            return ""
+        cause = GateCause(event.cause)
+        numbers = f": {event.measured:.4g} against {event.limit:.4g}" if event.limit else ""
+        return f"the gate has cut: {CUTS.get(cause, cause.name)}{numbers} (sample {event.number})"
 
     def trace(self, run: int, ticks: int) -> Trace:
         """The trial's rows from tick 0; raises GapError naming the first tick and topic that is missing."""

@@ -2,7 +2,7 @@
 
 import secrets
 import time
-from collections.abc import Callable
+from collections.abc import Callable, Mapping
 from typing import Any, NamedTuple
 
 from experiments.experiment import Experiment, to_plain
@@ -12,9 +12,9 @@ from services.operator.cell import LOOP, CellError, TrippedError, ask, statuses
 from services.operator.collect import Collector, GapError
 from services.plant.config import bias_ticks
 from shared.bus import Bus
-from shared.codec import Received
+from shared.codec import Received, Rejected
 from shared.envelope import seal
-from shared.messages import NO_TRIAL, Mode
+from shared.messages import NO_COMMAND, NO_TRIAL, Mode, TripCause
 
 _RUN_BITS = 48
 _WATCH_S = 0.05
@@ -65,22 +65,42 @@ def arm(bus: Bus, timeout_s: float = 3.0) -> None:
             time.sleep(_WATCH_S)
 
 
+class Silence:
+    """When each service was last heard of, by the sample that its newest message names."""
+
+    def __init__(self) -> None:
+        """Everyone was heard of just now."""
+        self._numbers = dict.fromkeys(LOOP, NO_COMMAND)
+        self._heard = dict.fromkeys(LOOP, time.monotonic())
+
+    def hear(self, newest: Mapping[str, Received | Rejected | None]) -> None:
+        """Take the newest message of each service in."""
+        for service, message in newest.items():
+            if isinstance(message, Received) and message.header.echo_number != self._numbers[service]:
+                self._numbers[service], self._heard[service] = message.header.echo_number, time.monotonic()
+
+    def of(self) -> list[str]:
+        """Who has fallen silent; where all have, those who did not answer the plant's last sample."""
+        now = time.monotonic()
+        silent = [service for service in LOOP if now - self._heard[service] > _SILENCE_S]
+        return [service for service in silent if self._numbers[service] < self._numbers["plant"]] or silent
+
+
 def watch(collector: Collector, experiment: Experiment, show: Callable[[float], None]) -> None:
     """Until the supervisor ends or trips the trial; `show` gets the seconds of the trial. CellError on silence."""
-    began, last_number, heard = False, -1, time.monotonic()
+    began, silence = False, Silence()
     while True:
         time.sleep(_WATCH_S)
-        permit, sample = collector.permits.peek(), collector.samples.peek()
-        if isinstance(sample, Received) and sample.body.number != last_number:
-            last_number, heard = sample.body.number, time.monotonic()
-            if sample.body.tick != NO_TRIAL:
-                show(sample.body.trial_time_ns * 1e-9)
+        permit, sample, command = collector.permits.peek(), collector.samples.peek(), collector.commands.peek()
+        silence.hear({"plant": sample, "controller": command, "supervisor": permit})
+        if isinstance(sample, Received) and sample.body.tick != NO_TRIAL:
+            show(sample.body.trial_time_ns * 1e-9)
         if isinstance(permit, Received):
             began = began or permit.body.mode == Mode.RUNNING
             if permit.body.mode == Mode.TRIPPED or (began and permit.body.mode == Mode.DISARMED):
                 return
-        if time.monotonic() - heard > _SILENCE_S:
-            raise CellError("the plant has fallen silent; see `hydrohil status`")
+        if silent := silence.of():
+            raise CellError(f"the {' and the '.join(silent)} has fallen silent; see `hydrohil status`")
 
 
 def run_live(bus: Bus, experiment: Experiment, seed: int, clock: str, show: Callable[[float], None]) -> Live:
@@ -99,6 +119,8 @@ def run_live(bus: Bus, experiment: Experiment, seed: int, clock: str, show: Call
     supervisor = found.get("supervisor", {})
     ticks = duration_ticks(experiment.duration_s, experiment.plant)
     tripped = str(supervisor.get("words", "")) if supervisor.get("mode") == Mode.TRIPPED.name else ""
+    if supervisor.get("cause") == TripCause.GATE_CUT.name:
+        tripped = collector.cut(run) or tripped
     try:
         trace = collector.trace(run, ticks)
     except GapError as error:

@@ -18,6 +18,7 @@ _ZERO: LinkCounts = (ZERO_CODE, ZERO_CODE, ZERO_CODE)
 class Emulator:
     """Plays the machine up to the timeline's sub-step whenever it is read or written.
 
+    Only the sub-steps are compiled: reading once a sample costs less plain than a call into compiled code.
     Its D/A has the output watchdog that a DAQ needs: not written for `watchdog_substeps`, it goes to zero by itself.
     """
 
@@ -25,15 +26,11 @@ class Emulator:
         """Compile the machine and stand at the default pose."""
         self._timeline, self._watchdog = timeline, watchdog_substeps
         self._advance: Any = compiled(advance)
-        self._sense: Any = compiled(sense)
-        self._truth: Any = compiled(truth)
         self._at = self._written_at = 0
         self._codes = _ZERO
         self.load(PlantConfig(), 0, 0, _IDLE_NOISE_TICKS)
         self.begin()
         self._advance(self._state, self._machine, self._contact, _ZERO, 1)
-        self._sense(self._state, self._machine, self._contact, 0.0)
-        self.truth()
 
     def watchdog(self, substeps: int) -> None:
         """Another lease was chosen."""
@@ -61,7 +58,7 @@ class Emulator:
         timeline = self._timeline
         index = timeline.tick - self._first_tick if timeline.tick != NO_TRIAL else timeline.number
         noise_n = self._noise_n[index % len(self._noise_n)]
-        encoders, force = self._sense(self._state, self._machine, self._contact, noise_n)
+        encoders, force = sense(self._state, self._machine, self._contact, noise_n)
         return Reading(encoders, force)
 
     def write(self, codes: LinkCounts) -> None:
@@ -72,8 +69,7 @@ class Emulator:
     def truth(self) -> Truth:
         """What only an emulator knows, at the sub-step last read or written."""
         timeline = self._timeline
-        values: Truth = self._truth(self._state, self._machine, self._contact, timeline.number, timeline.tick)
-        return Truth(*values)
+        return truth(self._state, self._machine, self._contact, timeline.number, timeline.tick)
 
     def _play(self) -> None:
         """Sub-steps up to now; the watchdog falls at its own sub-step."""

@@ -26,8 +26,14 @@ def answer(plant: "Plant", request: Request) -> None:
         handler(plant, request)
 
 
+def _armed(plant: "Plant") -> bool:
+    """Whether a permit that is not stale carries an arming; the last one of a supervisor that died binds nobody."""
+    permit = plant.keeper.mailbox.permit_seen(plant._now_ns())
+    return permit.arming != 0 and 0 <= permit.age_ns <= plant.keeper.limits.permit_ttl_ns
+
+
 def _load(plant: "Plant", request: Request) -> None:
-    if plant.keeper.mailbox.arming:
+    if _armed(plant):
         return request.refuse("a trial is armed or running: stop it first (`hydrohil stop`)")
     try:
         envelope = unseal(str(request.arguments.get("envelope")))
@@ -43,7 +49,7 @@ def _commit(plant: "Plant", request: Request) -> None:
     schedule = plant.pending
     if schedule is None or schedule.envelope is None or schedule.envelope.digest.hex() != request.arguments.get("digest"):
         return request.refuse("nothing with this hash was loaded: load it first")
-    if plant.keeper.mailbox.arming:
+    if _armed(plant):
         return request.refuse("a trial is armed or running: stop it first (`hydrohil stop`)")
     envelope = schedule.envelope
     plant.device.load(schedule.config, envelope.seed, schedule.first_tick, schedule.ticks)

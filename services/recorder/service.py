@@ -27,8 +27,8 @@ def main(arguments: list[str] | None = None) -> int:
     line.add_argument("--rrd", type=Path, help="record from the start into this file of the folder")
     line.add_argument("--live", type=int, metavar="PORT", help="serve a live view on this port")
     given = line.parse_args(arguments)
-    if given.with_parent:
-        die_with_parent()
+    if given.with_parent and not die_with_parent(given.with_parent):
+        return EXIT_OK
     try:
         record(given.cell, given.port, given.folder, given.rrd, given.live)
     except (BusError, OSError, ValueError) as error:

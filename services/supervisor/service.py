@@ -96,7 +96,7 @@ class Supervisor:
         """Wall time without a sample is a cause to trip, but in lockstep, where the plant waits and simulated time stands."""
         if (
             self.sample is None
-            or self.memory.mode == DISARMED
+            or (self.memory.mode == DISARMED and not self.asked)  # a request must be answered now, not when the plant returns
             or (self.envelope is not None and self.envelope.clock == "lockstep")
         ):
             return

@@ -1,0 +1,270 @@
+"""Kill or freeze a service while the valves move: how long until the D/A is at zero, and does anything move again?
+
+Bound: one lease and one sample period. An observer on the network stamps the plant's samples on the monotonic clock when
+they arrive, so every figure includes the sample's way to it and up to one period of waiting for that sample; the way is
+measured as half a request's round trip. A frozen plant reports nothing: its D/A falls to zero by the output watchdog after
+one lease, so here the first samples after thawing are judged: codes zero, gate burned, joints where they were.
+
+Example: python bench/faults.py --trials 20 --json faults.json
+"""
+
+import os
+import random
+import signal
+import sys
+import time
+from typing import Any, NamedTuple
+
+import rig
+
+from experiments.experiment import Experiment
+from experiments.library import find
+from experiments.overrides import with_overrides
+from services.operator import cell as cells
+from services.operator.session import arm, load
+from shared.bus import Bus, Inbox
+from shared.converters import ZERO_CODE
+from shared.messages import GateState
+
+LONG_S = 60.0
+WATCHED_S = 3.0
+FROZEN_S = 1.0
+PATIENCE_S = 5.0
+RING = 4096
+OBSERVER_PRIORITY = 60  # above the services: it works for microseconds a sample
+ZERO = (ZERO_CODE,) * 3
+FAULTS = (
+    ("controller", "SIGKILL"),
+    ("supervisor", "SIGKILL"),
+    ("controller", "SIGSTOP"),
+    ("supervisor", "SIGSTOP"),
+    ("plant", "SIGSTOP"),
+)
+COAST_COUNTS = 2  # what the links may run on in the sample that the freeze cut short, and the encoder's own step
+
+
+class Told(NamedTuple):
+    """One sample at the observer."""
+
+    arrival_ns: int
+    tick: int
+    codes: tuple[int, ...]
+    gate: int
+    encoders: tuple[int, ...]
+
+
+class Rig(NamedTuple):
+    """A cell, its processes, and the observer's rings."""
+
+    place: cells.Place
+    extra: dict[str, list[str]]
+    bus: Bus
+    processes: cells.Processes
+    samples: Inbox
+
+
+def told(samples: Inbox) -> list[Told]:
+    """What has arrived."""
+    bodies = [(message.arrival_ns, message.body) for message in samples.take()]
+    return [Told(at, body.tick, body.dac_counts, body.gate, body.encoder_counts) for at, body in bodies]
+
+
+def safe(sample: Told) -> bool:
+    """Zero current behind a gate that is not open."""
+    return sample.codes == ZERO and sample.gate != GateState.OPEN
+
+
+def swing() -> Experiment:
+    """The up/down link swings without end, so that the valves are never at rest."""
+    return with_overrides(
+        find("fig-4-25"),
+        [
+            f"duration_s={LONG_S}",
+            "plant.bias_s=0.5",
+            "claims=[]",
+            f"reference.0.duration_s={LONG_S}",
+            "reference.0.amount=0.1",
+            "reference.0.amount_end=0.1",
+            "reference.0.frequency_hz=0.5",
+        ],
+    )
+
+
+def moving(rig_: Rig, experiment: Experiment, seed: int) -> list[Told]:
+    """Start a trial and return while its valves move, at a random phase."""
+    cells.ask(rig_.bus, "supervisor", "reset")
+    cells.ask(rig_.bus, "plant", "reset")
+    load(rig_.bus, experiment, seed, "real")
+    arm(rig_.bus)
+    cells.ask(rig_.bus, "supervisor", "start")
+    until = time.monotonic() + experiment.plant.bias_s + 0.5 + random.uniform(0.5, 2.5)
+    last: list[Told] = []
+    while time.monotonic() < until or not last or last[-1].codes == ZERO:
+        time.sleep(0.001)
+        last = told(rig_.samples) or last
+        if time.monotonic() > until + PATIENCE_S:
+            raise cells.CellError("the valves do not move")
+    time.sleep(random.uniform(0.0, 0.0045))  # any phase of the sample period
+    return told(rig_.samples) or last
+
+
+def first_safe(rig_: Rig, since_ns: int) -> tuple[int, list[Told]]:
+    """Arrival of the first safe sample after an instant (0 if none came in time), and all samples from then on."""
+    seen: list[Told] = []
+    deadline = time.monotonic() + PATIENCE_S
+    while time.monotonic() < deadline:
+        time.sleep(0.001)
+        seen += told(rig_.samples)
+        for number, sample in enumerate(seen):
+            if sample.arrival_ns >= since_ns and safe(sample):
+                return sample.arrival_ns, seen[number:]
+    return 0, seen
+
+
+def quiet(rig_: Rig, already: list[Told]) -> int:
+    """Unsafe samples in the three seconds after a thaw (and before it, once safe)."""
+    time.sleep(WATCHED_S)
+    return sum(not safe(sample) for sample in already + told(rig_.samples))
+
+
+def trial(rig_: Rig, experiment: Experiment, seed: int, fault: tuple[str, str]) -> dict[str, Any]:
+    """One fault in one trial; the cell is whole again afterwards."""
+    service, name = fault
+    before = moving(rig_, experiment, seed)[-1]
+    victim = rig_.processes[service]
+    struck_ns = time.monotonic_ns()
+    victim.send_signal(signal.Signals[name])
+    result: dict[str, Any] = {"service": service, "signal": name, "codes": list(before.codes)}
+    if service == "plant":
+        result |= thaw_plant(rig_, before)
+    else:
+        at_ns, after = first_safe(rig_, struck_ns)
+        result["zero_ms"] = (at_ns - struck_ns) / 1e6 if at_ns else None
+        if name == "SIGSTOP":
+            time.sleep(FROZEN_S)
+            victim.send_signal(signal.SIGCONT)
+        result["unsafe_afterwards"] = quiet(rig_, after)
+    if name == "SIGKILL":
+        victim.wait()
+        rig_.processes.update(cells.start(rig_.place, (service,), with_parent=True, extra=rig_.extra))
+    cells.await_ready(rig_.place, rig_.bus, rig_.processes)
+    return result
+
+
+def thaw_plant(rig_: Rig, before: Told) -> dict[str, Any]:
+    """Freeze is under way: drain what was sent before it, thaw, look at what the plant says first."""
+    time.sleep(FROZEN_S)
+    before = (told(rig_.samples) or [before])[-1]
+    thawed_ns = time.monotonic_ns()
+    rig_.processes["plant"].send_signal(signal.SIGCONT)
+    at_ns, after = first_safe(rig_, thawed_ns)
+    first = after[0] if after else before
+    moved = max(abs(a - b) for a, b in zip(first.encoders, before.encoders, strict=True)) if at_ns else None
+    burned = any(sample.gate == GateState.BURNED for sample in after)
+    late = [sample for sample in after if sample.arrival_ns < at_ns]
+    unsafe = len(late) + quiet(rig_, after)
+    return {
+        "thaw_ms": (at_ns - thawed_ns) / 1e6 if at_ns else None,
+        "moved_counts": moved,
+        "burned": burned,
+        "unsafe_afterwards": unsafe,
+    }
+
+
+def observe_promptly() -> bool:
+    """Real-time scheduling for every thread of the observer, none for what it starts; False if the host refuses."""
+    try:
+        for thread in os.listdir("/proc/self/task"):
+            os.sched_setscheduler(int(thread), os.SCHED_FIFO | os.SCHED_RESET_ON_FORK, os.sched_param(OBSERVER_PRIORITY))
+    except OSError:
+        return False
+    return True
+
+
+def way_us(bus: Bus) -> list[float]:
+    """Half the round trip of a request to the supervisor: what the network and the observer add."""
+    taken = []
+    for _ in range(50):
+        began = time.perf_counter_ns()
+        bus.ask("supervisor", "status", {})
+        taken.append((time.perf_counter_ns() - began) / 2000)
+    return taken
+
+
+def main() -> int:
+    line = rig.parser(__doc__)
+    line.add_argument("--trials", type=int, default=20, help="of each fault (20)")
+    line.add_argument("--permit-ttl-ms", type=float, help="lease (chosen by the plant)")
+    line.add_argument("--no-realtime", action="store_true", help="normal scheduling")
+    line.add_argument("--only", help="one service")
+    given = line.parse_args()
+    extra = rig.services_options(realtime=not given.no_realtime, permit_ttl_ms=given.permit_ttl_ms)
+    experiment, place, results = swing(), rig.place_of(given), []
+    period_ms = experiment.plant.sample_period_substeps * 0.05
+    with rig.running(place, extra) as (bus, processes):
+        prompt = observe_promptly()
+        made = Rig(place, extra, bus, processes, bus.subscribe("plant/sample", RING))
+        way = rig.spread(way_us(bus))
+        for fault in FAULTS:
+            for number in range(given.trials if given.only in (None, fault[0]) else 0):
+                with rig.console.status(f"{fault[1]} of the {fault[0]}: {number + 1} of {given.trials}"):
+                    lease_ms = float(cells.statuses(bus, ("plant",))["plant"]["lease_ms"])
+                    result = trial(made, experiment, number, fault) | {"lease_ms": lease_ms, "bound_ms": lease_ms + period_ms}
+                results.append(result)
+                rig.console.print(words(result))
+    if not prompt:
+        rig.console.print("the observer has no real-time scheduling: its own lateness is in the figures")
+    return report(given, results, way)
+
+
+def words(result: dict[str, Any]) -> str:
+    """One trial in one line."""
+    name = f"{result['signal']} {result['service']:10}"
+    if "zero_ms" in result:
+        taken = (
+            "NEVER ZERO"
+            if result["zero_ms"] is None
+            else f"zero after {result['zero_ms']:.1f} ms = {result['zero_ms'] / result['lease_ms']:.2f} leases"
+        )
+        return f"{name} {taken}, bound {result['bound_ms']:.1f} ms; unsafe samples afterwards: {result['unsafe_afterwards']}"
+    return (
+        f"{name} first safe sample {result['thaw_ms']} ms after thawing, joints moved {result['moved_counts']} counts, "
+        f"burned {result['burned']}; unsafe samples afterwards: {result['unsafe_afterwards']}"
+    )
+
+
+def holds(result: dict[str, Any]) -> bool:
+    """Whether the trial kept its bound and stayed safe."""
+    if result["unsafe_afterwards"]:
+        return False
+    if "zero_ms" in result:
+        return result["zero_ms"] is not None and result["zero_ms"] <= result["bound_ms"]
+    return result["moved_counts"] is not None and result["moved_counts"] <= COAST_COUNTS and result["burned"]
+
+
+def report(given: Any, results: list[dict[str, Any]], way: dict[str, float]) -> int:
+    """Tables, file, exit status."""
+    rows = []
+    for service, name in FAULTS:
+        these = [r for r in results if (r["service"], r["signal"]) == (service, name)]
+        times = [r.get("zero_ms", r.get("thaw_ms")) for r in these]
+        known = [value for value in times if value is not None]
+        leases = [value / r["lease_ms"] for r, value in zip(these, times, strict=True) if value is not None]
+        if these:
+            bound = these[0]["bound_ms"] if service != "plant" else "after thawing"
+            middle, worst = rig.percentile(known, 0.5), max(known, default=float("nan"))
+            rows.append(
+                (service, name, len(these), middle, worst, max(leases, default=float("nan")), bound, sum(map(holds, these)))
+            )
+    rig.table(
+        "until the D/A is at zero",
+        ("service", "signal", "trials", "median ms", "worst ms", "worst leases", "bound ms", "held"),
+        rows,
+    )
+    rig.console.print(f"the observer's way adds up to {way['p50']:.0f} us (median), {way['max']:.0f} us (worst)")
+    rig.finish(given.json, {"trials": results, "observer_way_us": way})
+    return 0 if all(map(holds, results)) else 1
+
+
+if __name__ == "__main__":
+    sys.exit(main())

@@ -1,0 +1,140 @@
+"""Mutation test of the gate, the rules and the mode machine: every small change must fail a test.
+
+Each mutant is run plain (nothing is compiled) against the tests of its module; survivors are printed.
+`python bench/mutate.py [module ...]`; exit status 1 if any mutant survives.
+"""
+
+import ast
+import copy
+import importlib
+import os
+import signal
+import sys
+import types
+from collections.abc import Callable, Iterator
+from pathlib import Path
+from typing import Any
+
+ROOT = Path(__file__).resolve().parent.parent
+TESTS = {
+    "services/plant/gate.py": ["tests/test_gate_conditions.py", "tests/test_gate_arming.py"],
+    "services/supervisor/rules.py": ["tests/test_supervisor_rules.py"],
+    "services/supervisor/modes.py": ["tests/test_supervisor_modes.py"],
+}
+COMPARISONS: dict[type[ast.cmpop], tuple[type[ast.cmpop], ...]] = {
+    ast.Lt: (ast.LtE, ast.Gt),
+    ast.LtE: (ast.Lt, ast.Gt),
+    ast.Gt: (ast.GtE, ast.Lt),
+    ast.GtE: (ast.Gt, ast.Lt),
+    ast.Eq: (ast.NotEq,),
+    ast.NotEq: (ast.Eq,),
+    ast.In: (ast.NotIn,),
+}
+PRELOADED = ("pytest", "hypothesis.stateful", "numpy", "pydantic", "msgpack")  # imported once; each mutant is a fork
+TIMEOUT_S = 60
+
+Change = Callable[[Any], object]
+
+
+def mutants(tree: ast.Module) -> Iterator[tuple[str, ast.Module]]:
+    """Every mutant of a module, with the line and what was changed."""
+    nodes = list(ast.walk(tree))
+    for index, node in enumerate(nodes):
+        for words, change in _changes(node):
+            mutant = copy.deepcopy(tree)
+            change(list(ast.walk(mutant))[index])
+            yield f"{getattr(node, 'lineno', 0)}: {words}", mutant
+
+
+def _changes(node: ast.AST) -> Iterator[tuple[str, Change]]:
+    if isinstance(node, ast.Compare):
+        for i, operator in enumerate(node.ops):
+            for other in COMPARISONS.get(type(operator), ()):
+                yield f"{ast.unparse(node)}: {type(operator).__name__} -> {other.__name__}", _operator(i, other)
+    elif isinstance(node, ast.BoolOp):
+        other_bool = ast.Or if isinstance(node.op, ast.And) else ast.And
+        yield f"{ast.unparse(node)}: -> {other_bool.__name__}", lambda n, o=other_bool: setattr(n, "op", o())
+        for i, value in enumerate(node.values):
+            yield f"{ast.unparse(node)}: {ast.unparse(value)} removed", lambda n, i=i: n.values.pop(i)
+    elif isinstance(node, ast.UnaryOp) and isinstance(node.op, ast.Not):
+        yield f"{ast.unparse(node)}: not removed", _without_not
+    elif isinstance(node, ast.Constant) and type(node.value) in (int, float, bool):
+        if type(node.value) is bool:
+            yield f"{node.value} negated", lambda n: setattr(n, "value", not n.value)
+        else:
+            for by in (-1, 1):
+                yield f"constant {node.value} {by:+d}", lambda n, by=by: setattr(n, "value", n.value + by)
+    elif isinstance(node, ast.BinOp) and isinstance(node.op, ast.Add | ast.Sub):
+        swapped = ast.Sub if isinstance(node.op, ast.Add) else ast.Add
+        yield f"{ast.unparse(node)}: -> {swapped.__name__}", lambda n, s=swapped: setattr(n, "op", s())
+    elif isinstance(node, ast.If):
+        for value in (True, False):
+            yield f"if {ast.unparse(node.test)}: always {value}", lambda n, v=value: setattr(n, "test", ast.Constant(v))
+
+
+def _operator(i: int, other: type[ast.cmpop]) -> Change:
+    def change(node: ast.Compare) -> None:
+        node.ops[i] = other()
+
+    return change
+
+
+def _without_not(node: ast.UnaryOp) -> None:
+    node.operand = ast.UnaryOp(ast.Not(), node.operand)
+
+
+def survives(module: str, tree: ast.Module) -> bool:
+    """Whether the tests of `module` pass with `tree` in its place; a fork, so that nothing of it remains."""
+    child = os.fork()
+    if child == 0:
+        try:
+            signal.alarm(TIMEOUT_S)
+            os._exit(_test(module, tree))
+        except BaseException:  # a mutant that does not even import is dead
+            os._exit(1)
+    return os.waitpid(child, 0)[1] == 0
+
+
+def _test(module: str, tree: ast.Module) -> int:
+    import pytest
+
+    import shared.kernel
+
+    quiet = os.open(os.devnull, os.O_WRONLY)
+    os.dup2(quiet, 1)
+    os.dup2(quiet, 2)
+    shared.kernel.compiled = lambda function: function
+    name = module.removesuffix(".py").replace("/", ".")
+    parent, _, own = name.rpartition(".")
+    made = types.ModuleType(name)
+    made.__file__ = str(ROOT / module)
+    sys.modules[name] = made
+    setattr(importlib.import_module(parent), own, made)
+    exec(compile(tree, module, "exec"), made.__dict__)
+    return int(pytest.main(["-x", "-q", "-p", "no:cacheprovider", "-k", "not compiled", *TESTS[module]]))
+
+
+def main(chosen: list[str]) -> int:
+    """Try every mutant of the chosen modules; 1 if one survives."""
+    os.chdir(ROOT)
+    sys.dont_write_bytecode = True
+    sys.path[:0] = [str(ROOT), str(ROOT / "tests")]
+    for name in PRELOADED:
+        importlib.import_module(name)
+    alive = tried = 0
+    for module in chosen or list(TESTS):
+        tree = ast.parse((ROOT / module).read_text())
+        if not survives(module, tree):
+            print(f"{module}: its tests fail without a mutation")
+            return 1
+        for words, mutant in mutants(tree):
+            tried += 1
+            if survives(module, ast.fix_missing_locations(mutant)):
+                alive += 1
+                print(f"{module}:{words}", flush=True)
+    print(f"{tried} mutants, {alive} survived")
+    return int(alive > 0)
+
+
+if __name__ == "__main__":
+    sys.exit(main(sys.argv[1:]))

@@ -1,0 +1,244 @@
+"""README and docs/wire.md against the code: tables, command lines, links, and the foreign controller."""
+
+import json
+import re
+import shlex
+import sys
+from pathlib import Path
+from types import SimpleNamespace
+from typing import Any
+
+import pytest
+import typer.main
+from typer.testing import CliRunner
+
+from experiments.library import find
+from experiments.overrides import with_overrides
+from services.operator.cli import app
+from shared import messages, process
+from shared.bus import LISTENERS
+from shared.codec import WIRE_VERSION, Header, Received, decode, encode
+from shared.messages import NO_TRIAL, Command, ControllerState, Sample
+from shared.topics import ANSWER, ASK, BY_KEY, BY_SCHEMA, SERVICES, TOPICS, expression
+
+ROOT = Path(__file__).resolve().parent.parent
+README = (ROOT / "README.md").read_text()
+WIRE = (ROOT / "docs" / "wire.md").read_text()
+PAGES = [ROOT / "README.md", ROOT / "CHANGELOG.md", *sorted((ROOT / "docs").glob("*.md"))]
+COMMANDS: Any = typer.main.get_command(app)
+CELL = "left"
+NS_PER_PERIOD = 4_500_000
+
+
+def blocks(text: str, language: str) -> list[str]:
+    """Fenced code blocks of one language."""
+    return re.findall(rf"```{language}\n(.*?)```", text, re.DOTALL)
+
+
+def rows(text: str, first_column: str) -> list[list[str]]:
+    """Cells of the table whose heading begins with `first_column`."""
+    table = text[text.index(f"| {first_column} |") :].split("\n\n", 1)[0].splitlines()
+    return [[cell.strip().strip("`") for cell in line.strip("| ").split("|")] for line in table[2:]]
+
+
+def command_lines() -> list[list[str]]:
+    """Every `hydrohil ...` of README and docs, in words, up to a redirection or the next command."""
+    found = []
+    for page in PAGES:
+        text = page.read_text()
+        lines = [line for block in blocks(text, "sh") for line in block.splitlines()]
+        lines += re.findall(r"`(hydrohil [^`]+)`", re.sub(r"```.*?```", "", text, flags=re.DOTALL))
+        for line in lines:
+            for part in re.split(r"&&|;|\||>", line):
+                words = shlex.split(part, comments=True)
+                if words[:1] == ["hydrohil"]:
+                    found.append(words[1:])
+    return found
+
+
+LINES = command_lines()
+
+
+def field_names(column: str) -> list[str]:
+    """Names in a table's cell: `q_rad, q_set_rad`."""
+    return [name.strip() for name in column.split(",")]
+
+
+def test_the_topic_table_is_that_of_the_code() -> None:
+    written = rows(README, "topic")
+    assert [tuple(row[:6]) for row in written] == [
+        (
+            topic.key,
+            str(topic.schema),
+            topic.message.__name__,
+            topic.publisher,
+            "once a sample" if topic.per_sample else "on change",
+            topic.deadline or "-",
+        )
+        for topic in TOPICS
+    ]
+
+
+def test_the_wire_page_names_every_key_and_schema() -> None:
+    written = {row[0]: row[1] for row in rows(WIRE, "key after the prefix")}
+    assert {key: written[key] for key in BY_KEY} == {topic.key: str(topic.schema) for topic in TOPICS}
+    assert written["operator/request/<service>"] == f"{ASK.schema}, answer {ANSWER.schema}"
+
+
+def test_the_wire_page_lists_the_header_in_order() -> None:
+    names = [row[1].replace(" ", "_") for row in rows(WIRE, "element")]
+    assert [name.replace("echo_time", "echo_time_ns") for name in names] == [*Header._fields, "body"]
+
+
+@pytest.mark.parametrize("topic", TOPICS, ids=lambda topic: str(topic.key))
+def test_the_wire_page_lists_every_field_in_order(topic: Any) -> None:
+    section = WIRE[WIRE.index(f"### {topic.key}\n") :]
+    names = [name for row in rows(section, "field") for name in field_names(row[0])]
+    assert names == list(topic.message._fields)
+
+
+@pytest.mark.parametrize("causes", [messages.GateCause, messages.TripCause])
+def test_the_wire_page_lists_every_cause(causes: Any) -> None:
+    text = " ".join(WIRE[WIRE.index("### Causes") :].split("\n\n## ")[0].split())
+    assert ", ".join(f"{int(cause)} {cause.name.lower().replace('_', ' ')}" for cause in causes) in text
+
+
+def test_command_lines_are_found() -> None:
+    assert {"run", "up", "down", "status", "estop", "reset", "recover", "view", *SERVICES} <= {line[0] for line in LINES}
+
+
+@pytest.mark.parametrize("line", [line for line in LINES if line[0] not in SERVICES], ids=" ".join)
+def test_a_command_line_parses(line: list[str]) -> None:
+    name, *arguments = line
+    if not arguments:
+        assert name in COMMANDS.commands
+        return
+    arguments = ["fig-4-25" if word in ("NAME", "mine.toml") else word for word in arguments]
+    given = COMMANDS.commands[name].make_context(name, arguments).params  # raises on an unknown option
+    if "name" in given:
+        with_overrides(find(given["name"]), given.get("settings") or [])  # raises on an unknown name or field
+    assert given.get("clock", "real") in ("real", "lockstep", "local")
+
+
+@pytest.mark.parametrize("service", SERVICES)
+def test_a_service_knows_the_options_named(service: str) -> None:
+    named = {word for line in LINES if line[0] == service for word in line[1:] if word.startswith("--")}
+    known = re.findall(r"--[a-z-]+", CliRunner().invoke(app, [service, "--help"]).output)
+    assert {"--cell", "--port"} <= named <= {*known}
+
+
+def test_every_make_target_named_exists() -> None:
+    named = set(re.findall(r"^make ([a-z]+)|`make ([a-z]+)`", README, re.MULTILINE))
+    targets = set(re.findall(r"^([a-z]+):", (ROOT / "Makefile").read_text(), re.MULTILINE))
+    wanted = {first or second for first, second in named}
+    assert {"demo", "test", "check", "slow"} <= wanted <= targets
+
+
+def test_every_file_linked_exists() -> None:
+    for page in PAGES:
+        for target in re.findall(r"\]\(([^)#]+)\)", page.read_text()):
+            assert target.startswith("https://") or (page.parent / target).exists(), f"{page.name}: {target}"
+
+
+def test_every_file_and_folder_of_the_project_named_exists() -> None:
+    for page in PAGES:
+        for name in re.findall(r"`((?:shared|services|rollout|experiments|tests|docs|\.ci)/[\w./-]*)`", page.read_text()):
+            assert (ROOT / name).exists(), f"{page.name}: {name}"
+
+
+def test_the_exit_statuses_are_those_of_the_code() -> None:
+    written = {int(row[0]) for row in rows(README, "exit status")}
+    assert written - {130} == {value for name, value in vars(process).items() if name.startswith("EXIT_")}
+    words = {int(row[0]): row[1] for row in rows(README, "exit status")}
+    for status, word in ((process.EXIT_CLAIM, "claim"), (process.EXIT_USAGE, "usage"), (process.EXIT_TRIPPED, "tripped")):
+        assert word in words[status]
+    assert "transport" in words[process.EXIT_TRANSPORT]
+
+
+def test_the_frame_printed_is_what_the_codec_makes() -> None:
+    key = expression("cell", "controller/command")
+    header = Header(WIRE_VERSION, 5, "cell", 7, b"", "controller", 3, 11, 0, 42, 189_000_000)
+    assert bytes.fromhex(blocks(WIRE, "hex")[0]) == encode(key, header, Command((2048, 2048, 2048)))
+
+
+@pytest.fixture
+def still() -> SimpleNamespace:
+    """The foreign controller's module, without its transport."""
+    (code,) = blocks(WIRE, "python")
+    names: dict[str, Any] = {"__name__": "still"}
+    exec(compile(code, "docs/wire.md", "exec"), names)  # the block that a reader would save
+    return SimpleNamespace(**names)
+
+
+def sample_frame(arming: int = 11) -> bytes:
+    zero = (2048, 2048, 2048)
+    sample = Sample(42, 42 * NS_PER_PERIOD, NO_TRIAL, 0, (1, 2, 3, 4, 5), 22, zero, 0, 1, 0, (0, 0, 0), 41, 0, 0)
+    header = Header(WIRE_VERSION, 1, CELL, 0, b"", "plant", 5, arming, 42, 42, 42 * NS_PER_PERIOD)
+    return encode(expression(CELL, "plant/sample"), header, sample)
+
+
+def read(key: str, frame: bytes) -> Received:
+    found = decode(expression(CELL, key), BY_KEY[key], CELL, frame, 0)
+    assert isinstance(found, Received), found
+    return found
+
+
+def test_the_foreign_controller_imports_nothing_of_this_project() -> None:
+    (code,) = blocks(WIRE, "python")
+    imported = set(re.findall(r"^(?:import|from) (\w+)", code, re.MULTILINE))
+    assert imported - set(sys.stdlib_module_names) == {"msgpack", "zenoh"}
+
+
+def test_the_foreign_controller_answers_with_frames_that_the_codec_accepts(still: SimpleNamespace) -> None:
+    command, state = still.Still(CELL).answer_sample(sample_frame())
+    answer, thought = read("controller/command", command), read("controller/state", state)
+    assert answer.body == Command((2048, 2048, 2048))
+    assert isinstance(thought.body, ControllerState) and thought.body.ready == 1
+    for header in (answer.header, thought.header):
+        assert (header.arming, header.echo_number, header.echo_time_ns) == (11, 42, 42 * NS_PER_PERIOD)
+        assert (header.sender, header.seq) == ("controller", 0)
+
+
+def test_the_foreign_controller_counts_its_frames_on_each_topic(still: SimpleNamespace) -> None:
+    controller = still.Still(CELL)
+    sent = [controller.answer_sample(sample_frame()) for _ in range(3)]
+    assert [read("controller/command", command).header.seq for command, _ in sent] == [0, 1, 2]
+    assert [read("controller/state", state).header.seq for _, state in sent] == [0, 1, 2]
+
+
+def test_the_foreign_controller_does_not_answer_a_corrupt_sample(still: SimpleNamespace) -> None:
+    frame = bytearray(sample_frame())
+    frame[20] ^= 1
+    assert still.Still(CELL).answer_sample(bytes(frame)) is None
+
+
+def test_the_foreign_controller_echoes_the_hash_of_a_load(still: SimpleNamespace) -> None:
+    controller = still.Still(CELL)
+    key = expression(CELL, f"{ASK.key}/controller")
+
+    def ask(verb: str, **arguments: str) -> Any:
+        header = Header(WIRE_VERSION, ASK.schema, CELL, 0, b"", "operator", 9, 0, 0, -1, 0)
+        frame = encode(key, header, (verb, json.dumps(arguments).encode()))
+        answer = decode(key, ANSWER, CELL, controller.answer_request(key, frame), 0)
+        assert isinstance(answer, Received), answer
+        return answer.body
+
+    loaded = ask("load", envelope='{"run": 7, "clock": "lockstep"}')
+    digest = json.loads(loaded.values)["digest"]
+    assert ask("commit", digest="00").accepted == 0
+    assert ask("commit", digest=digest).accepted == 1
+    header = read("controller/command", controller.answer_sample(sample_frame())[0]).header
+    assert (header.run, header.experiment.hex()) == (7, digest)
+    assert ask("sing").accepted == 0
+
+
+def test_the_ports_are_those_of_the_bus() -> None:
+    assert LISTENERS.index("plant") == 0 and LISTENERS.index("controller") == 1
+    assert LISTENERS.index("supervisor") == 2 and LISTENERS.index("recorder") == 3
+    assert "P+1 the controller's, P+2 the supervisor's, P+3 the recorder's" in WIRE
+
+
+def test_every_schema_of_the_foreign_controller_is_the_table_s(still: SimpleNamespace) -> None:
+    named = {still.SAMPLE: "plant/sample", still.COMMAND: "controller/command", still.STATE: "controller/state"}
+    assert named == {schema: BY_SCHEMA[schema].key for schema in named}
+    assert {still.ASK: ASK.key, still.ANSWER: ANSWER.key} == {ASK.schema: ASK.key, ANSWER.schema: ANSWER.key}

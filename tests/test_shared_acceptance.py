@@ -1,0 +1,68 @@
+from hypothesis import given
+from hypothesis import strategies as st
+from wire_scene import command_body, header
+
+from shared.acceptance import Acceptance
+from shared.codec import Received, Rejected
+
+
+def frame(epoch, seq):
+    return Received(0, "controller/command", header("controller/command", seq, epoch=epoch), command_body())
+
+
+def taken(frames):
+    acceptance = Acceptance()
+    return acceptance, [(e, s) for e, s in frames if acceptance.take(frame(e, s)) is not None]
+
+
+def test_only_what_is_newer_than_everything_before_is_taken():
+    acceptance, passed = taken([(1, 0), (1, 1), (1, 1), (1, 0), (1, 2), (1, 1), (1, 3)])
+    assert passed == [(1, 0), (1, 1), (1, 2), (1, 3)]
+    assert (acceptance.accepted, acceptance.lost, acceptance.discarded) == (4, 0, {"sequence": 3})
+
+
+def test_what_is_missing_between_two_frames_is_counted_as_lost():
+    acceptance, _ = taken([(1, 0), (1, 1), (1, 5), (1, 4), (1, 6)])
+    assert acceptance.lost == 3
+
+
+def test_one_may_join_late_without_having_lost_anything():
+    acceptance, passed = taken([(1, 1000), (1, 1001)])
+    assert (acceptance.lost, len(passed)) == (0, 2)
+
+
+def test_a_sender_that_starts_anew_is_taken_and_its_old_epoch_never_again():
+    acceptance, passed = taken([(1, 7), (2, 0), (1, 8), (2, 1), (1, 9)])
+    assert passed == [(1, 7), (2, 0), (2, 1)]
+    assert acceptance.discarded == {"epoch": 2}
+
+
+def test_an_epoch_once_left_never_returns_however_many_came_since():
+    _, passed = taken([(epoch, 0) for epoch in range(200)] + [(epoch, 1) for epoch in range(200)])
+    assert passed == [(epoch, 0) for epoch in range(200)] + [(199, 1)]
+
+
+def test_an_epoch_of_zero_is_an_epoch_like_any_other():
+    _, passed = taken([(0, 0), (1, 0), (0, 1)])
+    assert passed == [(0, 0), (1, 0)]
+
+
+def test_a_rejected_frame_is_counted_by_cause_and_disturbs_nothing():
+    acceptance = Acceptance()
+    acceptance.take(frame(1, 0))
+    assert acceptance.take(Rejected(0, "controller/command", "crc", "")) is None
+    assert acceptance.discarded == {"crc": 1}
+    assert acceptance.take(frame(1, 1)) is not None
+    assert acceptance.lost == 0
+
+
+@given(st.lists(st.tuples(st.integers(0, 3), st.integers(0, 5)), max_size=40))
+def test_what_is_taken_is_increasing_within_an_epoch_and_no_epoch_returns(frames):
+    acceptance, passed = taken(frames)
+    epochs = [epoch for epoch, _ in passed]
+    changes = [epoch for i, epoch in enumerate(epochs) if i == 0 or epochs[i - 1] != epoch]
+    assert len(changes) == len(set(changes))
+    for epoch in changes:
+        numbers = [seq for e, seq in passed if e == epoch]
+        assert numbers == sorted(set(numbers))
+    assert acceptance.accepted + sum(acceptance.discarded.values()) == len(frames)

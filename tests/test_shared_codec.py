@@ -1,0 +1,207 @@
+import math
+import struct
+from types import SimpleNamespace
+from typing import Annotated, get_args, get_origin, get_type_hints
+
+import msgpack
+import numpy as np
+import pytest
+from annotated_types import Len
+from hypothesis import given, settings
+from hypothesis import strategies as st
+from wire_scene import CELL, command_body, header
+
+from shared.codec import MAX_FRAME_BYTES, MAX_REQUEST_BYTES, Header, Received, Rejected, crc, decode, encode
+from shared.messages import Command
+from shared.topics import BY_KEY, BY_SCHEMA, expression
+
+COMMAND = BY_KEY["controller/command"]
+KEY = expression(CELL, COMMAND.key)
+FRAME = encode(KEY, header(COMMAND.key), command_body((820, 2048, 3276)))
+INT64 = st.integers(-(2**63), 2**63 - 1)
+
+
+def any_of(hint):
+    """Values of a field's type, by its annotation."""
+    if get_origin(hint) is Annotated:
+        kind, *bounds = get_args(hint)
+        length = next(bound.min_length for bound in bounds if isinstance(bound, Len))
+        return st.tuples(*[any_of(get_args(kind)[0])] * length)
+    if get_origin(hint) is tuple:
+        return st.lists(any_of(get_args(hint)[0]), max_size=4).map(tuple)
+    if hasattr(hint, "_fields"):
+        return st.builds(hint, *[any_of(h) for h in get_type_hints(hint, include_extras=True).values()])
+    return {int: INT64, float: st.floats(), str: st.text(max_size=20), bytes: st.binary(max_size=20)}[hint]
+
+
+def read(frame, topic=COMMAND, cell=CELL, key=KEY):
+    return decode(key, topic, cell, frame, 5)
+
+
+def sealed(fields, key=KEY):
+    packed = msgpack.packb(fields)
+    return packed + crc(key, packed)
+
+
+def with_body(body):
+    return sealed([*header(COMMAND.key), body])
+
+
+def bits(value):
+    return struct.pack("<d", value) if isinstance(value, float) else value
+
+
+def flat(value):
+    return [bits(leaf) for item in value for leaf in (flat(item) if isinstance(item, tuple) else [item])]
+
+
+@pytest.mark.parametrize("topic", BY_SCHEMA.values(), ids=lambda topic: topic.key)
+@settings(max_examples=25, deadline=None)
+@given(st.data())
+def test_every_message_survives_the_wire_with_every_bit(topic, data):
+    body = data.draw(any_of(topic.message))
+    head = data.draw(any_of(Header))._replace(version=1, schema=topic.schema, cell=CELL)
+    head = head._replace(sender=topic.publisher or head.sender)
+    key = expression(CELL, topic.key)
+    got = decode(key, topic, CELL, encode(key, head, body), 5)
+    assert isinstance(got, Received)
+    assert (got.arrival_ns, got.topic, got.header) == (5, topic.key, head)
+    assert type(got.body) is type(body)
+    assert flat(got.body) == flat(body)
+
+
+def test_every_flipped_bit_of_a_frame_is_a_checksum_error():
+    for bit in range(8 * len(FRAME)):
+        flipped = bytearray(FRAME)
+        flipped[bit // 8] ^= 1 << bit % 8
+        assert read(bytes(flipped)).cause == "crc", bit
+
+
+def test_every_truncated_frame_is_rejected():
+    causes = [read(FRAME[:length]).cause for length in range(len(FRAME))]
+    assert causes[:5] == ["malformed"] * 5
+    assert set(causes[5:]) == {"crc"}
+    assert read(FRAME + b"\0").cause == "crc"
+
+
+def test_a_frame_replayed_on_another_key_is_corrupt():
+    assert read(FRAME, key=expression("other", COMMAND.key)).cause == "crc"
+    assert decode(expression(CELL, "plant/sample"), BY_KEY["plant/sample"], CELL, FRAME, 0).cause == "crc"
+
+
+@pytest.mark.parametrize(
+    ("changes", "cause", "named"),
+    [
+        ({"version": 2}, "version", "2"),
+        ({"version": True}, "version", "True"),
+        ({"version": 1.0}, "version", "1.0"),
+        ({"schema": 6}, "schema", "6"),
+        ({"cell": "left"}, "cell", "left"),
+        ({"sender": "plant"}, "sender", "plant"),
+        ({"epoch": 2.0}, "malformed", "header"),
+        ({"arming": True}, "malformed", "header"),
+        ({"seq": None}, "malformed", "header"),
+        ({"experiment": "text"}, "malformed", "header"),
+        ({"cell": b"cell"}, "malformed", "header"),
+        ({"run": 2**63}, "malformed", "header"),
+    ],
+)
+def test_a_header_that_is_not_ours_is_refused_by_name(changes, cause, named):
+    got = read(sealed([*header(COMMAND.key)._replace(**changes), ((2048, 2048, 2048),)]))
+    assert isinstance(got, Rejected)
+    assert got.cause == cause
+    assert named in got.detail
+
+
+@pytest.mark.parametrize(
+    "body",
+    [
+        ([2048, 2048],),
+        ([2048, 2048, 2048, 2048],),
+        ([],),
+        ([2048, 2048, 2048.0],),
+        ([2048, 2048, math.nan],),
+        ([2048, 2048, True],),
+        ([2048, 2048, None],),
+        ([2048, 2048, "2048"],),
+        ([2048, 2048, 2**63],),
+        ([2048, 2048, [2048]],),
+        (2048,),
+        (None,),
+        ([2048, 2048, 2048], 0),
+        (),
+    ],
+    ids=str,
+)
+def test_a_body_that_differs_in_length_or_type_is_malformed(body):
+    assert read(with_body(body)).cause == "malformed"
+
+
+@pytest.mark.parametrize("body", [None, 5, "text", b"bytes", {}])
+def test_a_body_that_is_no_array_is_malformed(body):
+    assert read(with_body(body)).cause == "malformed"
+
+
+def test_an_int_is_no_float():
+    topic = BY_KEY["plant/gate"]
+    key = expression(CELL, topic.key)
+
+    def event(measured):
+        return decode(key, topic, CELL, sealed([*header(topic.key), [1, 2, 3, 4, measured, 1.0]], key), 0)
+
+    assert isinstance(event(5.0), Received)
+    assert event(5).cause == event(True).cause == "malformed"
+    assert math.isnan(event(math.nan).body.measured)
+
+
+@pytest.mark.parametrize("fields", [[], {}, 5, None, "text", [1], [[1]], [1, 5]], ids=str)
+def test_what_is_no_frame_at_all_is_refused(fields):
+    assert isinstance(read(sealed(fields)), Rejected)
+
+
+def test_a_frame_may_be_as_long_as_its_limit_and_no_longer():
+    assert read(b"x" * MAX_FRAME_BYTES).cause == "crc"
+    assert read(b"x" * (MAX_FRAME_BYTES + 1)).cause == "oversized"
+    ask = BY_SCHEMA[8]
+    assert decode(KEY, ask, CELL, b"x" * MAX_REQUEST_BYTES, 0).cause == "crc"
+    assert decode(KEY, ask, CELL, b"x" * (MAX_REQUEST_BYTES + 1), 0).cause == "oversized"
+
+
+@pytest.mark.parametrize(
+    "packed", [b"\x91" * 3000, b"\xdd\xff\xff\xff\xff", b"\xc6\xff\xff\xff\xff", b"\x81\x01\x02", b"\xc7\x00\x05", b"\xc1"]
+)
+def test_deep_nesting_and_false_lengths_are_rejected_without_an_exception(packed):
+    assert isinstance(read(packed + crc(KEY, packed)), Rejected)
+
+
+@settings(max_examples=300)
+@given(st.binary(max_size=200))
+def test_no_bytes_make_the_decoder_raise(noise):
+    assert isinstance(read(noise), Rejected)
+    assert isinstance(read(noise + crc(KEY, noise)), Rejected)
+
+
+JUNK = st.recursive(
+    st.none() | st.booleans() | INT64 | st.floats() | st.text(max_size=5) | st.binary(max_size=5),
+    lambda x: st.lists(x, max_size=4),
+)
+
+
+@settings(max_examples=300)
+@given(st.lists(JUNK, min_size=10, max_size=14), st.booleans())
+def test_no_array_makes_the_decoder_raise(fields, versioned):
+    assert isinstance(read(sealed([1, *fields] if versioned else fields)), Rejected)
+
+
+def test_numpy_integers_have_no_place_on_the_wire():
+    with pytest.raises(TypeError):
+        encode(KEY, header(COMMAND.key), Command((np.int64(2048), 2048, 2048)))
+
+
+def test_the_frame_is_what_a_stranger_reads_in_the_documentation():
+    import zlib
+
+    fields = msgpack.unpackb(FRAME[:-4], use_list=False)
+    assert fields == (*header(COMMAND.key), ((820, 2048, 3276),))
+    assert int.from_bytes(FRAME[-4:], "little") == zlib.crc32(KEY.encode() + b"\0" + FRAME[:-4])
+    assert SimpleNamespace(**read(FRAME).header._asdict()).cell == CELL

@@ -1,0 +1,44 @@
+from pathlib import Path
+
+from shared import kernel as module
+from shared.kernel import compiled, kernel, source_version
+
+
+@kernel
+def twice(x: float) -> float:
+    return 2.0 * x
+
+
+def test_a_marked_function_stays_plain_python():
+    assert twice(1.5) == 3.0
+    assert type(twice) is type(lambda: None)
+
+
+def test_a_compiled_function_calls_marked_ones_by_their_machine_code():
+    def outer(x):
+        return twice(x) + 1.0
+
+    assert compiled(outer)(1.5) == outer(1.5) == 4.0
+
+
+def test_the_version_of_the_sources_changes_with_any_of_them(tmp_path, monkeypatch):
+    for folder in ("shared", "services", "rollout", "experiments"):
+        (tmp_path / folder).mkdir()
+    source = tmp_path / "services" / "law.py"
+    source.write_text("gain = 1")
+    monkeypatch.setattr(module, "_SOURCE_ROOT", tmp_path)
+    versions = [source_version()]
+    source.write_text("gain = 2")
+    versions.append(source_version())
+    source.rename(tmp_path / "shared" / "law.py")
+    versions.append(source_version())
+    (tmp_path / "notes.md").write_text("no source")
+    assert source_version() == versions[-1]
+    assert len(set(versions)) == 3
+
+
+def test_the_cache_lies_in_a_folder_of_this_version():
+    import os
+
+    compiled(twice)
+    assert source_version() in Path(os.environ["NUMBA_CACHE_DIR"]).name

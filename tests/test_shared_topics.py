@@ -1,0 +1,19 @@
+from shared.messages import Command, Sample
+from shared.topics import BY_KEY, BY_SCHEMA, SERVICES, TOPICS, expression
+
+
+def test_keys_and_schemas_name_one_topic_each():
+    assert len(BY_KEY) >= len(TOPICS)
+    assert len(BY_SCHEMA) == len(TOPICS) + 2
+    assert {topic.publisher for topic in TOPICS} <= set(SERVICES)
+
+
+def test_every_topic_of_the_loop_has_a_deadline_and_comes_once_a_sample():
+    loop = [topic for topic in TOPICS if topic.loop]
+    assert {topic.key for topic in loop} == {"plant/sample", "controller/command", "supervisor/permit"}
+    assert all(topic.deadline and topic.per_sample for topic in loop)
+
+
+def test_cells_share_a_network_by_their_keys():
+    assert expression("left", "plant/sample") == "hydrohil/left/plant/sample"
+    assert (BY_KEY["plant/sample"].message, BY_KEY["controller/command"].message) == (Sample, Command)
