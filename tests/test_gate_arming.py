@@ -59,3 +59,10 @@ def test_recovering_and_running_burn_alike():
 
 def test_the_number_of_a_refused_command_is_still_reported():
     assert step(GateMemory(), command(arming=OTHER, number=321)).command_number == 321
+
+
+def test_stopping_without_an_arming_pushes_no_burned_number_out():
+    memory = cut(opened())
+    for _ in range(20):
+        memory = step(memory, armed_anew(0, estop=True))
+    assert memory.burned == (ARMING,) + (0,) * 15

@@ -6,6 +6,7 @@ from services.plant.config import GateLimits
 from services.plant.counters import Counters
 from services.plant.device import Timeline
 from services.plant.gatekeeper import Gatekeeper, numbers
+from shared.converters import N_PER_FORCE_COUNT
 from shared.messages import GateCause, GateState, Mode
 
 MS = 1_000_000
@@ -186,7 +187,7 @@ def test_every_change_of_mind_is_told_once_with_its_numbers():
     told = scene.bus.of("plant/gate")
     assert [event.state for event in told] == [GateState.OPEN, GateState.BURNED, GateState.BURNED]
     assert [event.cause for event in told] == [GateCause.NONE, GateCause.FORCE_ABOVE_LIMIT, GateCause.BURNED_ARMING]
-    assert told[1].measured == pytest.approx(400 * 1.3497, rel=1e-3)
+    assert told[1].measured == pytest.approx(400 * N_PER_FORCE_COUNT)
     assert told[1].limit == 420.0
 
 

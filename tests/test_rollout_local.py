@@ -114,7 +114,9 @@ def plain_parts(experiment, seed):
     count = made.supervise.duration_ticks - made.first_tick
     machine = experiment.plant.machine
     noise_n = force_noise_n(seed, made.first_tick, count, machine.force_noise_sigma_n, machine.force_noise_clip_n)
-    intervals = sample_intervals(seed, made.first_tick, count, experiment.plant.sample_period_substeps, experiment.plant.jitter_substeps)
+    intervals = sample_intervals(
+        seed, made.first_tick, count, experiment.plant.sample_period_substeps, experiment.plant.jitter_substeps
+    )
     table = np.array(segment_table(experiment.reference), dtype=np.float64).reshape(-1, SEGMENT_COLUMNS)
     return made, count, table, [float(value) for value in noise_n], [int(value) for value in intervals]
 

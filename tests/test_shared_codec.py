@@ -187,7 +187,7 @@ JUNK = st.recursive(
 )
 
 
-@settings(max_examples=300)
+@settings(max_examples=60)
 @given(st.lists(JUNK, min_size=10, max_size=14), st.booleans())
 def test_no_array_makes_the_decoder_raise(fields, versioned):
     assert isinstance(read(sealed([1, *fields] if versioned else fields)), Rejected)

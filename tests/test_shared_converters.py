@@ -73,5 +73,5 @@ def test_the_calibration_leaves_out_the_roll_encoder():
     used = [UNIMATE_ENCODERS[i] for i in (0, 1, 2, 4)]
     assert made.scale == tuple(channel.scale for channel in used)
     assert made.offset == tuple(channel.offset for channel in used)
-    assert made.force_n_per_count == pytest.approx(1.3497, rel=1e-4)
+    assert made.force_n_per_count == pytest.approx(20 / 66 * 9.8 / 2.2)
     assert UNIMATE_ENCODERS[1].scale < 0.0  # counts fall as the link goes down

@@ -89,3 +89,7 @@ def test_a_broken_rule_never_leaves_the_machine_permitted():
     for mode, event, facts in STEPS:
         if facts.broken and mode != Mode.RECOVER:
             assert after(mode, event, facts) not in (Mode.ARMED, Mode.RUNNING)
+
+
+def test_events_are_numbered_from_nothing_on():
+    assert [int(event) for event in Event] == list(range(8))

@@ -178,3 +178,37 @@ def test_plain_and_compiled_rules_agree_on_anything(seen):
     plain, machine = first_broken(seen, LIMITS), first_broken_compiled(seen, LIMITS)
     assert all(same(a, b) for a, b in zip(plain, machine, strict=True))
     assert isinstance(LIMITS, Limits)
+
+
+def test_every_row_tells_its_number_and_limit_even_while_it_holds():
+    told = {rule.cause: (rule.measured(FINE, LIMITS), rule.limit(FINE, LIMITS)) for rule in RULES}
+    assert told[TripCause.JOINT_LIMIT] == (FINE.q_rad[0], HIGH_RAD[0])
+    assert told[TripCause.WORKSPACE] == (FINE.tip_m[0], HIGH_M[0])
+    assert told[TripCause.NOT_READY] == (1.0, 1.0)
+    assert told[TripCause.SAMPLE_LOST] == (0.0, 4.0)
+    assert all(type(number) is float for pair in told.values() for number in pair)
+
+
+def test_of_several_values_the_first_outside_its_bounds_is_told():
+    for edge in (LOW_RAD[0], HIGH_RAD[0]):
+        seen = FINE._replace(q_rad=(edge, above(HIGH_RAD[1]), 9.0))
+        assert first_broken(seen, LIMITS) == (TripCause.JOINT_LIMIT, above(HIGH_RAD[1]), HIGH_RAD[1])
+
+
+def test_a_bias_on_its_limit_leaves_the_word_to_its_spread():
+    for bias_n in (60.0, -60.0):
+        assert first_broken(FINE._replace(bias_n=bias_n, bias_spread_n=16.0), LIMITS) == (TripCause.BIAS, 16.0, 15.0)
+
+
+def test_limits_that_cross_let_nothing_pass_and_tell_the_bound_that_broke():
+    crossed = LIMITS._replace(config=CONFIG._replace(joint_low_rad=(0.3, -0.5, 0.0), joint_high_rad=(0.2, 0.4, 1.0)))
+    for value, limit in ((0.2, 0.3), (0.25, 0.2)):
+        assert first_broken(FINE._replace(q_rad=(value, 0.0, 0.2)), crossed) == (TripCause.JOINT_LIMIT, value, limit)
+    narrow = LIMITS._replace(min_force_counts=6, max_force_counts=5)
+    assert first_broken(FINE._replace(force_counts=6), narrow) == (TripCause.FORCE_INVALID, 6.0, 5.0)
+    assert first_broken(FINE._replace(force_counts=5), narrow) == (TripCause.FORCE_INVALID, 5.0, 6.0)
+    impatient = LIMITS._replace(lease_samples=-2)
+    assert first_broken(FINE._replace(command_lag=0), impatient) == (TripCause.SAMPLE_LOST, 0.0, -2.0)
+    assert first_broken(FINE._replace(moving=True, lost_samples=0, command_lag=0), LIMITS) == (0, 0.0, 0.0)
+    stale = next(rule for rule in RULES if rule.cause == TripCause.COMMAND_STALE)
+    assert stale.limit(FINE._replace(command_lag=0), LIMITS) == 5.0

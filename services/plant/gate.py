@@ -187,7 +187,7 @@ def _command_broken(memory: GateMemory, limits: GateLimits, seen: GateInput) -> 
             return BEYOND_SLEW
         if seen.permit.mode == _RECOVER:
             away = (code - ZERO_CODE) * seen.permit.recover_signs[link]
-            if not (0 <= away <= limits.recover_codes and (away > 0 or code == ZERO_CODE)):
+            if not (code == ZERO_CODE or 0 < away <= limits.recover_codes):
                 return NOT_UNLOADING
     return NONE
 

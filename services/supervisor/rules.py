@@ -175,7 +175,7 @@ RULES = (
         samples_complete,
         TripCause.SAMPLE_LOST,
         lambda seen, _: float(seen.lost_samples),
-        lambda seen, limits: float(limits.lease_samples if seen.lost_samples > 0 else 0),
+        lambda seen, limits: float(limits.lease_samples if seen.lost_samples >= 0 else 0),
         "samples were lost for longer than the lease, or the plant started anew (samples)",
     ),
     Rule(
@@ -189,7 +189,7 @@ RULES = (
         commands_fresh,
         TripCause.COMMAND_STALE,
         lambda seen, _: float(seen.command_lag),
-        lambda seen, limits: float(limits.lease_samples + 1 if seen.command_lag > 0 else 0),
+        lambda seen, limits: float(limits.lease_samples + 1 if seen.command_lag >= 0 else 0),
         "the controller's commands have stopped or stand still (samples)",
     ),
     Rule(

@@ -1,0 +1,182 @@
+"""`hydrohil up`, `down`, `status`, `estop`, `stop`, `reset`, `recover`: everything about a cell that runs."""
+
+import json
+import time
+from typing import Annotated, Any
+
+import typer
+
+from services.operator.options import AsJson, CellName, Port, app, console, fail, service_options
+from shared.bus import DEFAULT_PORT
+from shared.messages import GateState
+from shared.process import EXIT_TRANSPORT, EXIT_TRIPPED, EXIT_USAGE
+from shared.topics import SERVICES
+
+
+@app.command()
+def up(
+    cell: CellName = "cell",
+    port: Port = DEFAULT_PORT,
+    permit_ttl_ms: Annotated[float | None, typer.Option(help="Lease; default: chosen from this host's lateness.")] = None,
+    realtime: Annotated[bool, typer.Option(help="Ask for real-time scheduling.")] = True,
+) -> None:
+    """Start a cell in the background and wait until it is ready.
+
+    Example: `hydrohil up && hydrohil run fig-4-25 && hydrohil down`
+    """
+    from services.operator import cell as cells
+
+    place = cells.Place(cell, port)
+    if cells.remembered(place):
+        raise fail(f"cell {cell!r} is up already: `hydrohil status`, or `hydrohil down` first", EXIT_USAGE)
+    began = time.monotonic()
+    started = cells.start(place, SERVICES, with_parent=False, extra=service_options(permit_ttl_ms, realtime=realtime))
+    cells.remember(place, started)
+    try:
+        with console.status("starting: compiles once, then measures this host for two seconds"), cells.operator_bus(place) as bus:
+            found = cells.await_ready(place, bus, started)
+    except (cells.CellError, KeyboardInterrupt) as error:
+        cells.stop(process.pid for process in started.values())
+        raise fail(str(error) or "interrupted: stopped what was started", EXIT_TRANSPORT) from None
+    lease_ms = found["plant"]["lease_ms"]
+    console.print(
+        f"cell {cell!r} ready in {time.monotonic() - began:.2f} s; lease {lease_ms:.1f} ms; logs in {place.folder}",
+        soft_wrap=True,
+    )
+
+
+@app.command()
+def down(cell: CellName = "cell", port: Port = DEFAULT_PORT) -> None:
+    """Stop what `up` started; the valves go to zero first."""
+    from services.operator import cell as cells
+
+    place = cells.Place(cell, port)
+    pids = cells.remembered(place)
+    if not pids:
+        raise fail(f"nothing of cell {cell!r} was started by `hydrohil up`", EXIT_USAGE)
+    cells.stop(pids[service] for service in ("controller", "supervisor", "plant", "recorder") if service in pids)
+    (place.folder / "cell.json").unlink(missing_ok=True)
+    console.print(f"cell {cell!r} is down")
+
+
+@app.command()
+def status(cell: CellName = "cell", port: Port = DEFAULT_PORT, as_json: AsJson = False) -> None:
+    """Say which services answer, their state, and what was discarded and lost."""
+    from rich.table import Table
+
+    from services.operator import cell as cells
+
+    try:
+        with cells.operator_bus(cells.Place(cell, port)) as bus:
+            _await_links(bus)
+            found = cells.statuses(bus)
+    except cells.CellError as error:
+        raise fail(error, EXIT_TRANSPORT) from None
+    if as_json:
+        print(json.dumps(found, indent=2))
+    else:
+        table = Table("service", "state")
+        for service in SERVICES:
+            table.add_row(service, _words(service, found.get(service)))
+        console.print(table)
+    if not all(service in found for service in cells.LOOP):
+        raise typer.Exit(EXIT_TRANSPORT)
+    if found["supervisor"]["mode"] == "TRIPPED":
+        raise typer.Exit(EXIT_TRIPPED)
+
+
+@app.command()
+def estop(cell: CellName = "cell", port: Port = DEFAULT_PORT) -> None:
+    """Emergency stop at gate and supervisor; either alone suffices. Exit 5 unless the plant reports zero current."""
+    from services.operator import cell as cells
+
+    try:
+        with cells.operator_bus(cells.Place(cell, port)) as bus:
+            _await_links(bus)
+            at_gate = bus.ask("plant", "estop", {}, 1.0)
+            bus.ask("supervisor", "estop", {}, 1.0)
+    except cells.CellError as error:
+        raise fail(f"NOT CONFIRMED: {error}", EXIT_TRANSPORT) from None
+    if at_gate is None or not at_gate.accepted or json.loads(at_gate.values)["dac_counts"] != [2048, 2048, 2048]:
+        raise fail("NOT CONFIRMED: the plant has not reported zero current; cut the hydraulic supply", EXIT_TRANSPORT)
+    console.print("stopped: the plant reports zero current; `hydrohil reset` when the cause is gone")
+
+
+@app.command()
+def stop(cell: CellName = "cell", port: Port = DEFAULT_PORT) -> None:
+    """End the trial and disarm."""
+    _request(cell, port, "supervisor", "stop", "disarmed")
+
+
+@app.command()
+def reset(cell: CellName = "cell", port: Port = DEFAULT_PORT) -> None:
+    """Leave TRIPPED. Refused while the cause stands; never moves anything."""
+    from services.operator import cell as cells
+
+    try:
+        with cells.operator_bus(cells.Place(cell, port)) as bus:
+            _await_links(bus)
+            cells.ask(bus, "supervisor", "reset")
+            cells.ask(bus, "plant", "reset")
+    except cells.CellError as error:
+        raise fail(error, EXIT_TRIPPED) from None
+    console.print("reset: disarmed")
+
+
+@app.command()
+def recover(
+    seconds: Annotated[float, typer.Option(min=0.1, max=30.0, help="Hold for this long; Ctrl-C releases.")] = 2.0,
+    cell: CellName = "cell",
+    port: Port = DEFAULT_PORT,
+) -> None:
+    """Hold to run: move slowly in the direction that unloads what tripped, as long as this command runs."""
+    from services.operator import cell as cells
+
+    try:
+        with cells.operator_bus(cells.Place(cell, port)) as bus:
+            _await_links(bus)
+            until = time.monotonic() + seconds
+            try:
+                while time.monotonic() < until:
+                    cells.ask(bus, "supervisor", "recover", 1.0)
+                    time.sleep(0.1)
+            finally:
+                bus.ask("supervisor", "release", {}, 1.0)
+            found = cells.statuses(bus, ("supervisor",))
+    except cells.CellError as error:
+        raise fail(error, EXIT_TRIPPED) from None
+    except KeyboardInterrupt:
+        raise fail("released", 130) from None
+    console.print(f"released: {found.get('supervisor', {}).get('words', '')}; then `hydrohil reset`")
+
+
+def _request(cell: str, port: int, service: str, verb: str, done: str) -> None:
+    from services.operator import cell as cells
+
+    try:
+        with cells.operator_bus(cells.Place(cell, port)) as bus:
+            _await_links(bus)
+            cells.ask(bus, service, verb)
+    except cells.CellError as error:
+        raise fail(error, EXIT_TRANSPORT) from None
+    console.print(done)
+
+
+def _await_links(bus: Any, timeout_s: float = 1.0) -> None:
+    """Links come up in the background; wait until the plant is seen or a second has passed."""
+    deadline = time.monotonic() + timeout_s
+    while time.monotonic() < deadline and "plant" not in bus.alive(0.2):
+        time.sleep(0.02)
+
+
+def _words(service: str, found: dict[str, Any] | None) -> str:
+    if found is None:
+        return "[red]does not answer[/]"
+    if service == "supervisor":
+        return f"{found['mode']}  {found['words']}"
+    if service == "plant":
+        gate = "open" if found["gate"] == GateState.OPEN else f"shut: {found['gate_cause']}"
+        return f"sample {found['number']}, gate {gate}, lease {found['lease_ms']} ms"
+    if service == "controller":
+        return f"law {found['law']}, {found['answered']} samples answered"
+    return str(found.get("recording", {}).get("path") or "no recording open")

@@ -1,0 +1,134 @@
+"""`hydrohil list`, `show`, `run`, `view`: everything about experiments and what they leave."""
+
+import json
+import os
+import subprocess
+import sys
+from pathlib import Path
+from typing import Annotated, Any
+
+import typer
+
+from services.operator.options import AsJson, CellName, Port, app, console, fail, service_options
+from shared.bus import DEFAULT_PORT
+from shared.process import EXIT_TRANSPORT, EXIT_TRIPPED, EXIT_USAGE
+
+_RUNS = Path("runs")
+
+
+@app.command("list")
+def list_experiments(as_json: AsJson = False) -> None:
+    """List the experiments that ship."""
+    from rich.table import Table
+
+    from experiments.library import catalogue
+
+    if as_json:
+        print(
+            json.dumps(
+                [{"name": e.name, "alias": e.alias, "title": e.title, "claims": len(e.claims)} for e in catalogue()], indent=2
+            )
+        )
+        return
+    table = Table("name", "alias", "title", "claims")
+    for experiment in catalogue():
+        table.add_row(experiment.name, experiment.alias, experiment.title, str(len(experiment.claims)))
+    console.print(table)
+
+
+@app.command()
+def show(
+    name: Annotated[str, typer.Argument(help="Name, alias, or a TOML file.")],
+    toml: Annotated[bool, typer.Option("--toml", help="Print the whole experiment, every default spelled out.")] = False,
+    settings: Annotated[list[str] | None, typer.Option("--set", metavar="PATH=VALUE", help="Change one value.")] = None,
+) -> None:
+    """Show an experiment; `--toml` prints a file that runs.
+
+    Example: `hydrohil show fig-4-25 --toml > mine.toml; hydrohil run mine.toml`
+    """
+    from experiments.claims import band
+    from experiments.experiment import to_toml
+
+    experiment = _experiment(name, settings)
+    if toml:
+        sys.stdout.write(to_toml(experiment))
+        return
+    console.print(f"[bold]{experiment.name}[/] ({experiment.alias}): {experiment.title}\n{experiment.source}", highlight=False)
+    console.print(f"{experiment.duration_s:g} s, law {experiment.controller.law}, target {experiment.controller.target}")
+    for claim in experiment.claims:
+        console.print(f"  {claim.statement}: {claim.metric} of {claim.channel} {band(claim)}  [{claim.source}]", markup=False)
+
+
+@app.command()
+def run(
+    name: Annotated[str, typer.Argument(help="Name, alias, or a TOML file.")],
+    clock: Annotated[str, typer.Option(help="real, lockstep or local.")] = "real",
+    settings: Annotated[list[str] | None, typer.Option("--set", metavar="PATH=VALUE", help="Change one value.")] = None,
+    seed: Annotated[int, typer.Option(min=0, help="Of noise and jitter.")] = 0,
+    json_file: Annotated[Path | None, typer.Option("--json", help="Write the report.")] = None,
+    trace_file: Annotated[Path | None, typer.Option("--trace", help="Write every sample (.npz).")] = None,
+    rrd: Annotated[Path | None, typer.Option(help="Write a Rerun recording.")] = None,
+    cell: CellName = "cell",
+    port: Port = DEFAULT_PORT,
+    permit_ttl_ms: Annotated[float | None, typer.Option(help="Lease of a cell brought up for this run.")] = None,
+    realtime: Annotated[bool, typer.Option(help="Real-time scheduling of a cell brought up for this run.")] = True,
+) -> None:
+    """Run an experiment and judge its claims.
+
+    Exit status: 0 all claims hold, 1 a claim fails, 2 usage, 3 the rig tripped, 5 transport.
+
+    Examples: `hydrohil run fig-4-25 --clock local`, `hydrohil run fig-5-5 --rrd runs/static.rrd --seed 3`
+    """
+    from services.operator import cell as cells
+    from services.operator import report as reports
+    from services.operator.run import Wanted, run_experiment
+
+    if clock not in ("real", "lockstep", "local"):
+        raise fail(f"--clock is {clock!r}: expected real, lockstep or local", EXIT_USAGE)
+    if clock == "local" and rrd is not None:
+        raise fail("--rrd needs a cell with a recorder: use --clock lockstep or real (--trace works on every clock)", EXIT_USAGE)
+    for path in (json_file, trace_file, rrd):
+        try:
+            if path is not None:
+                path.parent.mkdir(parents=True, exist_ok=True)
+        except OSError as error:
+            raise fail(f"{path}: its folder cannot be made ({error.strerror}): name another", EXIT_USAGE) from None
+    experiment = _experiment(name, settings)
+    place = cells.Place(cell, port)
+    wanted = Wanted(experiment, clock, seed, rrd, trace_file, service_options(permit_ttl_ms, realtime=realtime))
+    try:
+        report = run_experiment(place, wanted, console)
+    except cells.TrippedError as error:
+        raise fail(error, EXIT_TRIPPED) from None
+    except cells.CellError as error:
+        raise fail(error, EXIT_TRANSPORT) from None
+    except KeyboardInterrupt:
+        raise fail("interrupted: valves at zero, disarmed", 130) from None
+    reports.show(console, report)
+    if json_file is not None:
+        reports.write_json(json_file, report)
+    raise typer.Exit(report.exit_status)
+
+
+@app.command()
+def view(recording: Annotated[Path | None, typer.Argument(help="A .rrd file; default: the newest in runs/.")] = None) -> None:
+    """Open a recording in the Rerun viewer."""
+    chosen = recording or max(_RUNS.glob("*.rrd"), key=lambda path: path.stat().st_mtime, default=None)
+    if chosen is None or not chosen.exists():
+        raise fail(f"no recording at {chosen or _RUNS}: run an experiment with --rrd FILE first", EXIT_USAGE)
+    rerun = Path(sys.executable).with_name("rerun")
+    raise typer.Exit(subprocess.call([str(rerun), str(chosen)]))
+
+
+def _experiment(name: str, settings: list[str] | None) -> Any:
+    """From a file or the library, with `--set` applied; exit 2 with one line a problem."""
+    from experiments.errors import ExperimentError
+    from experiments.experiment import from_toml
+    from experiments.library import find
+    from experiments.overrides import with_overrides
+
+    try:
+        experiment = from_toml(Path(name)) if name.endswith(".toml") or os.sep in name else find(name)
+        return with_overrides(experiment, settings or [])
+    except ExperimentError as error:
+        raise fail(error, EXIT_USAGE) from None

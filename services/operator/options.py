@@ -1,0 +1,34 @@
+"""What every command of `hydrohil` shares: the application, its consoles, its options."""
+
+import sys
+from typing import Annotated
+
+import typer
+from rich.console import Console
+
+app = typer.Typer(
+    help="Distributed hardware-in-the-loop rig for force-controlled hydraulic manipulators.",
+    no_args_is_help=True,
+    add_completion=False,
+    pretty_exceptions_enable=False,
+    rich_markup_mode="markdown",
+)
+console = Console(width=None if sys.stdout.isatty() else 120)
+errors = Console(stderr=True, highlight=False, soft_wrap=True)
+
+CellName = Annotated[str, typer.Option("--cell", help="Name of the cell.")]
+Port = Annotated[int, typer.Option("--port", help="First of the cell's four ports.", min=1024, max=65000)]
+AsJson = Annotated[bool, typer.Option("--json", help="Print JSON.")]
+
+
+def fail(message: object, status: int) -> typer.Exit:
+    """One line on stderr; raise what is returned."""
+    errors.print(str(message), style="red")
+    return typer.Exit(status)
+
+
+def service_options(permit_ttl_ms: float | None, *, realtime: bool) -> dict[str, list[str]]:
+    """Options of each service that `up` and `run` start."""
+    common = [] if realtime else ["--no-realtime"]
+    lease = [] if permit_ttl_ms is None else ["--permit-ttl-ms", str(permit_ttl_ms)]
+    return {"plant": common + lease, "controller": common, "supervisor": common}

@@ -1,0 +1,39 @@
+"""`hydrohil plant`, `controller`, `supervisor`, `recorder`: one service each, in the foreground."""
+
+import typer
+
+from services.operator.options import app
+
+_PASS_ON = {"allow_extra_args": True, "ignore_unknown_options": True, "help_option_names": []}
+
+
+@app.command(context_settings=_PASS_ON)
+def plant(context: typer.Context) -> None:
+    """Run the plant (emulator and gate) in the foreground; `hydrohil plant --help` lists its options."""
+    from services.plant.main import main as run_plant
+
+    raise typer.Exit(run_plant(context.args))
+
+
+@app.command(context_settings=_PASS_ON)
+def controller(context: typer.Context) -> None:
+    """Run the controller in the foreground."""
+    from services.controller.service import main as run_controller
+
+    raise typer.Exit(run_controller(context.args))
+
+
+@app.command(context_settings=_PASS_ON)
+def supervisor(context: typer.Context) -> None:
+    """Run the supervisor in the foreground."""
+    from services.supervisor.service import main as run_supervisor
+
+    raise typer.Exit(run_supervisor(context.args))
+
+
+@app.command(context_settings=_PASS_ON)
+def recorder(context: typer.Context) -> None:
+    """Run the recorder in the foreground."""
+    from services.recorder.service import main as run_recorder
+
+    raise typer.Exit(run_recorder(context.args))

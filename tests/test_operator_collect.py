@@ -1,0 +1,103 @@
+"""A trace from a trial's messages, and the first gap by name."""
+
+from collections.abc import Callable
+
+import numpy as np
+import pytest
+from recorder_trial import trial
+
+from services.operator.collect import Collector, GapError
+from shared.codec import Received
+from shared.messages import NO_TRIAL, GateCause, GateEvent, GateState
+
+TICKS = 40
+
+
+class Ring:
+    """What a topic would have received."""
+
+    def __init__(self, messages: list[Received]):
+        self.messages = messages
+
+    def take(self) -> list[Received]:
+        return self.messages
+
+
+class Network:
+    """A bus that has heard a whole trial already."""
+
+    def __init__(self, messages: list[Received]):
+        self.messages = messages
+
+    def subscribe(self, key: str, depth: int) -> Ring:
+        return Ring([message for message in self.messages if message.topic == key])
+
+
+MESSAGES = [message for message in trial(TICKS) if isinstance(message, Received)]
+RUN = MESSAGES[-1].header.run
+SAMPLES = {m.body.tick: m.body for m in MESSAGES if m.topic == "plant/sample" and m.body.tick != NO_TRIAL}
+
+
+def collected(keep: Callable[[Received], bool] = lambda message: True) -> Collector:
+    return Collector(Network([message for message in MESSAGES if keep(message)]))  # type: ignore[arg-type]
+
+
+def without(topic: str, tick: int) -> Collector:
+    """All but what `topic` says at `tick`."""
+    number = SAMPLES[tick].number
+    return collected(lambda m: m.topic != topic or (m.body.number if topic == "plant/sample" else m.header.echo_number) != number)
+
+
+def test_every_tick_from_0_is_a_row():
+    trace = collected().trace(RUN, TICKS)
+    assert list(trace.tick) == list(range(TICKS))
+    assert {len(column) for column in trace} == {TICKS}
+    assert np.array_equal(trace.encoder_counts, [SAMPLES[tick].encoder_counts for tick in range(TICKS)])
+
+
+def test_ticks_beyond_the_trial_are_left_out():
+    assert len(collected().trace(RUN, TICKS - 1).tick) == TICKS - 1
+
+
+@pytest.mark.parametrize(
+    ("topic", "name"),
+    [
+        ("plant/sample", "sample"),
+        ("controller/command", "command"),
+        ("controller/state", "controller state"),
+        ("supervisor/permit", "permit"),
+    ],
+)
+@pytest.mark.parametrize("tick", [0, 7, TICKS - 2])
+def test_one_missing_message_is_named_with_its_tick(topic: str, name: str, tick: int):
+    with pytest.raises(GapError, match=f"{name} of tick {tick} is missing"):
+        without(topic, tick).trace(RUN, TICKS)
+
+
+def test_a_missing_message_before_tick_0_is_no_gap():
+    assert len(without("controller/state", -1).trace(RUN, TICKS).tick) == TICKS
+
+
+def test_a_trial_of_another_run_leaves_nothing():
+    with pytest.raises(GapError, match="no sample of the trial"):
+        collected().trace(RUN + 1, TICKS)
+
+
+def event(state: GateState, cause: GateCause, run: int = RUN, measured: float = 0.0, limit: float = 0.0) -> Received:
+    body = GateEvent(90, 5, int(state), int(cause), measured, limit)
+    return Received(0, "plant/gate", MESSAGES[0].header._replace(run=run), body)
+
+
+def cut(*events: Received) -> str:
+    return Collector(Network(list(events))).cut(RUN)  # type: ignore[arg-type]
+
+
+def test_the_first_cut_of_the_run_is_told_with_its_numbers():
+    stale = event(GateState.BURNED, GateCause.COMMAND_STALE, measured=0.022, limit=0.02)
+    assert cut(stale, event(GateState.BURNED, GateCause.BURNED_ARMING)) == (
+        "the gate has cut: the controller's commands have stopped (s): 0.022 against 0.02 (sample 90)"
+    )
+
+
+def test_neither_another_run_nor_a_gate_that_opens_is_a_cut():
+    assert cut(event(GateState.BURNED, GateCause.ESTOP, run=RUN + 1), event(GateState.OPEN, GateCause.NONE)) == ""

@@ -1,0 +1,72 @@
+"""What a report says, and the exit status that follows from it."""
+
+import json
+import math
+from pathlib import Path
+
+import pytest
+from rich.console import Console
+
+from experiments.claims import Verdict
+from experiments.library import find
+from services.operator.report import Report, markdown, show, write_json
+
+EXPERIMENT = find("fig-4-25")
+HOLDS, FAILS = (Verdict(EXPERIMENT.claims[0], 1.0, held) for held in (True, False))
+
+
+def report(verdicts: tuple[Verdict, ...] = (HOLDS,), tripped: str = "", gap: str = "") -> Report:
+    return Report(EXPERIMENT, "real", 4, verdicts, tripped, gap, 10.0, {}, "")
+
+
+@pytest.mark.parametrize(
+    ("made", "status"),
+    [
+        (report(), 0),
+        (report(()), 0),
+        (report((HOLDS, FAILS)), 1),
+        (report((FAILS,), gap="command of tick 3 is missing"), 5),
+        (report((HOLDS,), tripped="the raw force is above its limit"), 3),
+        (report((FAILS,), tripped="the raw force is above its limit", gap="command of tick 3 is missing"), 3),
+    ],
+)
+def test_the_worst_of_it_decides_the_exit_status(made: Report, status: int):
+    assert made.exit_status == status
+
+
+def shown(made: Report) -> str:
+    console = Console(width=200, record=True, file=None, quiet=False)
+    with console.capture() as capture:
+        show(console, made)
+    return capture.get()
+
+
+def test_a_gap_is_said_to_give_no_verdict():
+    assert "NO VERDICT: command of tick 3 is missing" in shown(report((), gap="command of tick 3 is missing"))
+
+
+def test_a_trip_is_said_with_its_words():
+    assert "TRIPPED: too much" in shown(report((), tripped="too much"))
+
+
+def test_claims_are_shown_as_stated_measured_and_whether_they_hold():
+    table = shown(report((HOLDS, FAILS)))
+    assert EXPERIMENT.claims[0].statement in table
+    assert "yes" in table and "NO" in table
+
+
+def test_without_numbers_the_latencies_are_dashes():
+    made = report()._replace(latencies={"samples": 7, "lateness_us": {}})
+    assert "7" in shown(made) and "-" in shown(made)
+
+
+def test_the_document_marks_what_fails():
+    assert "**NO**" in markdown(report((FAILS,)))
+    assert "**NO**" not in markdown(report((HOLDS,)))
+
+
+def test_a_number_that_is_none_is_null_in_json(tmp_path: Path):
+    write_json(tmp_path / "r.json", report((Verdict(EXPERIMENT.claims[0], math.nan, False),)))
+    told = json.loads((tmp_path / "r.json").read_text())
+    assert told["claims"][0]["measured"] is None
+    assert (told["exit_status"], told["clock"], told["seed"]) == (1, "real", 4)
