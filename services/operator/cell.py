@@ -25,6 +25,10 @@ class CellError(Exception):
     """The cell is not what the command needs; the message says what to do."""
 
 
+class RefusedError(CellError):
+    """A service has answered, and refuses."""
+
+
 class TrippedError(CellError):
     """The supervisor has tripped; nothing runs before a reset."""
 
@@ -130,7 +134,7 @@ def ask(bus: Bus, service: str, verb: str, timeout_s: float = 3.0, **arguments: 
     if answer is None:
         raise CellError(f"the {service} does not answer: start it (`hydrohil {service}`) or see `hydrohil status`")
     if not answer.accepted:
-        raise CellError(f"the {service} refuses to {verb}: {answer.reason}")
+        raise RefusedError(f"the {service} refuses to {verb}: {answer.reason}")
     values: dict[str, Any] = json.loads(answer.values)
     return values
 

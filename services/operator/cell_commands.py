@@ -119,7 +119,7 @@ def reset(cell: CellName = "cell", port: Port = DEFAULT_PORT) -> None:
             cells.ask(bus, "supervisor", "reset")
             cells.ask(bus, "plant", "reset")
     except cells.CellError as error:
-        raise fail(error, EXIT_TRIPPED) from None
+        raise fail(error, EXIT_TRIPPED if isinstance(error, cells.RefusedError) else EXIT_TRANSPORT) from None
     console.print("reset: disarmed")
 
 
@@ -144,7 +144,7 @@ def recover(
                 bus.ask("supervisor", "release", {}, 1.0)
             found = cells.statuses(bus, ("supervisor",))
     except cells.CellError as error:
-        raise fail(error, EXIT_TRIPPED) from None
+        raise fail(error, EXIT_TRIPPED if isinstance(error, cells.RefusedError) else EXIT_TRANSPORT) from None
     except KeyboardInterrupt:
         raise fail("released", 130) from None
     console.print(f"released: {found.get('supervisor', {}).get('words', '')}; then `hydrohil reset`")
