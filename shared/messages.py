@@ -74,10 +74,9 @@ class TripCause(IntEnum):
     WORKSPACE = 7
     SAMPLE_LOST = 8
     SAMPLE_STALE = 9
-    CONTROLLER_LOST = 10
-    COMMAND_STALE = 11
-    GATE_CUT = 12
-    NOT_READY = 13
+    COMMAND_STALE = 10
+    GATE_CUT = 11
+    NOT_READY = 12
 
 
 class Channel(NamedTuple):

@@ -26,7 +26,7 @@ def sample(number, tick=NO_TRIAL, **changes):
 
 
 def asked(event=NOTHING, **changes):
-    return Asked(int(event), 4711, True, True, False, 0)._replace(**changes)
+    return Asked(int(event), 4711, True, True, 0)._replace(**changes)
 
 
 def step(memory, seen, wanted=None, params=PARAMS):

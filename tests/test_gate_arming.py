@@ -2,7 +2,7 @@ import pytest
 from gate_scene import ARMING, FINE, NO_SIGNS, OTHER, TTL, ZERO, armed_anew, command, opened, permit, step
 
 from services.plant.gate import NO_PERMIT_SEEN, GateMemory
-from shared.messages import GateCause, GateState
+from shared.messages import GateCause, GateState, Mode
 
 
 def cut(memory):
@@ -55,6 +55,18 @@ def test_recovering_and_running_burn_alike():
     after = cut(memory)
     assert (after.burned[0], after.recover_signs) == (ARMING, NO_SIGNS)
     assert step(after, recovering).cause == GateCause.BURNED_ARMING
+
+
+@pytest.mark.parametrize(("first", "then"), [(Mode.RUNNING, Mode.RECOVER), (Mode.RECOVER, Mode.RUNNING)])
+def test_an_arming_is_good_for_one_mode_only(first, then):
+    def seen(mode):
+        return FINE._replace(permit=FINE.permit._replace(mode=int(mode), recover_signs=(0, 0, -1)))
+
+    memory = step(step(GateMemory(), seen(first)), seen(first))
+    assert memory.state in (GateState.OPEN, GateState.RECOVERING)
+    memory = step(memory, seen(then))
+    assert (memory.cause, memory.codes) == (GateCause.OTHER_ARMING, ZERO)
+    assert step(memory, seen(first)).cause == GateCause.BURNED_ARMING
 
 
 def test_the_number_of_a_refused_command_is_still_reported():

@@ -34,7 +34,7 @@ def test_an_emergency_stop_is_confirmed_latched_and_reset(cell: Cell, tmp_path: 
     status, words = ended(run)
     assert status == 3 and "emergency stop" in words
     again = cell.run("run", swing(tmp_path))
-    assert again.returncode == 5 and "TRIPPED" in again.stderr
+    assert again.returncode == 3 and "hydrohil reset" in again.stderr
     assert cell.run("status").returncode == 3
     assert cell.run("reset").returncode == 0
     assert cell.run("status").returncode == 0

@@ -11,7 +11,7 @@ from services.supervisor.modes import Event
 from services.supervisor.params import below_gate, supervisor_params
 from services.supervisor.step import SupervisorMemory, observe, supervisor_step
 from shared.kernel import compiled
-from shared.messages import NO_COMMAND, NO_TRIAL, GateState, Mode, TripCause
+from shared.messages import NO_COMMAND, NO_TRIAL, GateCause, GateState, Mode, TripCause
 from shared.pose import UNIMATE_GEOMETRY, forward, joint_positions
 
 HEAVY = 300  # counts: 405 N, above 334 + 60 N
@@ -102,9 +102,10 @@ def test_a_reset_is_refused_while_the_cause_stands_and_clears_it_afterwards():
     assert (reset.trip_number, reset.first_sample, reset.recover_signs) == (NO_COMMAND, NO_COMMAND, (0, 0, 0))
 
 
-@pytest.mark.parametrize("stop", [asked(Event.ESTOP), asked(estop=True)])
-def test_an_emergency_stop_names_itself_even_when_a_rule_breaks_too(stop):
-    memory = step(running(), sample(50, 5, force_counts=HEAVY), stop)
+@pytest.mark.parametrize(("event", "at_gate"), [(Event.ESTOP, GateCause.NONE), (Event.NOTHING, GateCause.ESTOP)])
+def test_an_emergency_stop_at_either_place_names_itself_even_when_a_rule_breaks_too(event, at_gate):
+    stopped = sample(50, 5, force_counts=HEAVY, gate=GateState.BURNED, gate_cause=int(at_gate))
+    memory = step(running(), stopped, asked(event))
     assert (memory.mode, memory.cause, memory.measured, memory.limit, memory.arming) == (
         Mode.TRIPPED,
         TripCause.ESTOP,
@@ -277,22 +278,22 @@ def test_a_longer_lease_bears_more_lost_samples():
 
 
 SAMPLES = st.builds(
-    lambda number, tick, counts, force, gate, answered: sample(
-        number, tick, encoder_counts=counts, force_counts=force, gate=gate, command_number=answered
+    lambda number, tick, counts, force, gate, cause, answered: sample(
+        number, tick, encoder_counts=counts, force_counts=force, gate=gate, gate_cause=cause, command_number=answered
     ),
     st.integers(0, 400),
     st.sampled_from([NO_TRIAL, *range(-BIAS - 1, 3), DURATION]),
     st.sampled_from([LEVEL, (0, 0, 0, 0, 0), (8191, 2047, 1023, 1023, 2047), (4031, 0, 207, 0, 33)]),
     st.sampled_from([-1, 0, 4, 40, 60, 240, HEAVY, 517, 518]),
     st.integers(0, 3),
+    st.sampled_from([0, 1, int(GateCause.ESTOP)]),
     st.integers(-1, 400),
 )
 ASKS = st.builds(
-    lambda event, agreed, ready, estop, stale: asked(event, agreed=agreed, controller_ready=ready, estop=estop, stale_ns=stale),
+    lambda event, agreed, ready, stale: asked(event, agreed=agreed, controller_ready=ready, stale_ns=stale),
     st.sampled_from(Event),
     st.booleans(),
     st.booleans(),
-    st.sampled_from([False, False, False, True]),
     st.sampled_from([0, 0, 20_000_000, 20_000_001]),
 )
 

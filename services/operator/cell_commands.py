@@ -12,6 +12,8 @@ from shared.messages import GateState
 from shared.process import EXIT_TRANSPORT, EXIT_TRIPPED, EXIT_USAGE
 from shared.topics import SERVICES
 
+_SAMPLES_S = 0.05  # the supervisor judges an emergency stop by what the next samples say of the gate
+
 
 @app.command()
 def up(
@@ -116,8 +118,9 @@ def reset(cell: CellName = "cell", port: Port = DEFAULT_PORT) -> None:
     try:
         with cells.operator_bus(cells.Place(cell, port)) as bus:
             _await_links(bus)
-            cells.ask(bus, "supervisor", "reset")
             cells.ask(bus, "plant", "reset")
+            time.sleep(_SAMPLES_S)
+            cells.ask(bus, "supervisor", "reset")
     except cells.CellError as error:
         raise fail(error, EXIT_TRIPPED if isinstance(error, cells.RefusedError) else EXIT_TRANSPORT) from None
     console.print("reset: disarmed")

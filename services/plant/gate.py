@@ -156,7 +156,7 @@ def _permit_broken(memory: GateMemory, limits: GateLimits, seen: GateInput) -> i
     running = permit.mode == _RUNNING and seen.tick >= 0
     if not (running or permit.mode == _RECOVER):
         return NOT_RUNNING
-    if memory.arming != 0 and permit.arming != memory.arming:
+    if memory.arming != 0 and (permit.arming != memory.arming or (permit.mode == _RECOVER) != (memory.state == RECOVERING)):
         return OTHER_ARMING
     if memory.arming != 0 and permit.epoch != memory.permit_epoch:
         return EPOCH_CHANGED

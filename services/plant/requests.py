@@ -28,7 +28,7 @@ def answer(plant: "Plant", request: Request) -> None:
 
 def _armed(plant: "Plant") -> bool:
     """Whether a permit that is not stale carries an arming; the last one of a supervisor that died binds nobody."""
-    permit = plant.keeper.mailbox.permit_seen(plant._now_ns())
+    permit = plant.keeper.mailbox.permit_seen(plant.now_ns())
     return permit.arming != 0 and 0 <= permit.age_ns <= plant.keeper.limits.permit_ttl_ns
 
 
@@ -71,6 +71,7 @@ def _estop(plant: "Plant", request: Request) -> None:
 
 def _reset(plant: "Plant", request: Request) -> None:
     plant.keeper.estop = False
+    plant.keeper.judge(plant.now_ns(), at_latch=False)
     request.reply({})
 
 

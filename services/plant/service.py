@@ -59,7 +59,7 @@ class Plant:
         """Wait for the grid, read the converters, publish."""
         self._wait(self.due)
         if not self._lockstep():
-            self.keeper.receive(self._now_ns(), at_latch=False, late=self._apply_late)
+            self.keeper.receive(self.now_ns(), at_latch=False, late=self._apply_late)
         self._advance_to(self.due)
         number, time_ns = self.timeline.number, self.due * SUBSTEP_NS
         tick = self.timeline.tick = self.schedule.tick(number)
@@ -68,7 +68,7 @@ class Plant:
         reading = self.device.read()
         keeper, gate = self.keeper, self.keeper.gate
         keeper.force_counts = reading.force_counts
-        keeper.ledger.issue(number, time_ns, self._now_ns())
+        keeper.ledger.issue(number, time_ns, self.now_ns())
         sample = Sample(
             number,
             time_ns,
@@ -108,11 +108,11 @@ class Plant:
             self._await_answers()
         else:
             self._wait(due)
-            self.keeper.receive(self._now_ns(), at_latch=True, late=self._apply_late)
+            self.keeper.receive(self.now_ns(), at_latch=True, late=self._apply_late)
         self._advance_to(due)
         self.keeper.late_substeps = 0
         self._count()
-        self.keeper.judge(self._now_ns(), at_latch=True)
+        self.keeper.judge(self.now_ns(), at_latch=True)
         self._follow_permit()
         if self._truth is not None:  # after the latch: the command's way is free until then
             self.bus.publish("plant/truth", self._truth, (self.timeline.number, self.due * SUBSTEP_NS))
@@ -151,7 +151,7 @@ class Plant:
         self.keeper.late_substeps = max(1, arrived - message.header.echo_time_ns // SUBSTEP_NS - self.schedule.latch)
         if self.timeline.tick != NO_TRIAL:
             self.counters.late_commands += 1
-        self.keeper.judge(self._now_ns(), at_latch=False)
+        self.keeper.judge(self.now_ns(), at_latch=False)
 
     def _follow_permit(self) -> None:
         """A permit announces the trial's first sample; without a running permit there is no trial."""
@@ -164,7 +164,7 @@ class Plant:
     def _lockstep(self) -> bool:
         return self.schedule.lockstep and self.timeline.tick != NO_TRIAL
 
-    def _now_ns(self) -> int:
+    def now_ns(self) -> int:
         """The clock by which ages are judged: the wall's, or simulated time in lockstep."""
         return self.timeline.substep * SUBSTEP_NS if self._lockstep() else time.monotonic_ns()
 
@@ -186,7 +186,7 @@ class Plant:
             self.device.watchdog(lease_ns // SUBSTEP_NS)
             self.tell_about()
         if self.lease.chosen and late_ns > self.keeper.limits.permit_ttl_ns:
-            self.keeper.judge(self._now_ns(), at_latch=False, overslept=True)
+            self.keeper.judge(self.now_ns(), at_latch=False, overslept=True)
 
     def serve(self) -> None:
         """Answer what was asked since the last sample."""
@@ -205,7 +205,7 @@ class Plant:
         keeper = self.keeper
         tick = self.timeline.tick
         return {
-            "ready": self.lease.chosen and keeper.mailbox.permit is not None and keeper.mailbox.command is not None,
+            "ready": self.lease.chosen and keeper.permits.acceptance.accepted > 0 and keeper.commands.acceptance.accepted > 0,
             "number": self.timeline.number,
             "tick": tick if tick != NO_TRIAL else None,
             "lease_ms": keeper.limits.permit_ttl_ns / 1e6 if self.lease.chosen else None,

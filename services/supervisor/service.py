@@ -110,7 +110,7 @@ class Supervisor:
             return
         event, request = self.asked.pop(0) if self.asked else (Event.NOTHING, None)
         ready = self.controller is not None and self.controller.body.ready == 1
-        asked = Asked(int(event), self._drawn, self._agreed(message), ready, False, stale_ns)
+        asked = Asked(int(event), self._drawn, self._agreed(message), ready, stale_ns)
         before = self.memory.arming
         self.memory, self.permit = supervisor_step(self.memory, self.params, message.body, asked)
         if self.memory.arming not in (0, before):

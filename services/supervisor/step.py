@@ -17,7 +17,7 @@ from services.supervisor.modes import ESTOP as ESTOP_EVENT
 from services.supervisor.rules import Limits, Observed, first_broken
 from shared.converters import Calibration
 from shared.kernel import kernel
-from shared.messages import NO_COMMAND, NO_TRIAL, Permit, Sample, TripCause
+from shared.messages import NO_COMMAND, NO_TRIAL, GateCause, Permit, Sample, TripCause
 from shared.pose import UNIMATE_GEOMETRY, forward, joint_positions
 
 _ESTOP, _FORCE_INVALID, _FORCE_RAW, _FORCE_TARED = (
@@ -27,6 +27,7 @@ _ESTOP, _FORCE_INVALID, _FORCE_RAW, _FORCE_TARED = (
     int(TripCause.FORCE_TARED),
 )
 _JOINT_LIMIT = int(TripCause.JOINT_LIMIT)
+_GATE_STOPPED = int(GateCause.ESTOP)
 _NO_SIGNS = (0, 0, 0)
 
 
@@ -51,7 +52,6 @@ class Asked(NamedTuple):
     new_arming: int  # a number drawn for this step, used if it arms
     agreed: bool  # all services report this experiment, run and version, and the gate's limit stands above
     controller_ready: bool
-    estop: bool
     stale_ns: int  # 0 when a sample came; otherwise wall time since the last
 
 
@@ -87,7 +87,7 @@ def supervisor_step(
     broken, measured, limit = first_broken(seen, params.limits)
     facts = Facts(
         broken,
-        asked.estop,
+        sample.gate_cause == _GATE_STOPPED,  # pressed at the gate: either alone suffices
         asked.agreed,
         _can_recover(memory) and not (memory.mode == RECOVER and _force_on_top(memory, broken)),
         sample.number < memory.held_until or asked.event == HOLD_RECOVER,
@@ -206,7 +206,7 @@ def _enter(
         arming, first_sample = 0, NO_COMMAND
         if memory.mode != RECOVER or _force_on_top(memory, broken[0]):
             cause, measured, limit = broken
-            if asked.estop or asked.event == ESTOP_EVENT:
+            if sample.gate_cause == _GATE_STOPPED or asked.event == ESTOP_EVENT:
                 cause, measured, limit = _ESTOP, 0.0, 0.0
             trip_number, signs = sample.number, _unloading(params, seen, cause)
     if mode == RECOVER:
