@@ -61,7 +61,7 @@ def serve(service: str, options: Options, run: Callable[[Bus, Callable[[], bool]
     if options.with_parent and not die_with_parent(options.with_parent):
         return EXIT_OK
     stop: list[int] = []
-    granted = claim(service, realtime=options.realtime)
+    granted = claim(realtime=options.realtime)
     try:
         with Bus(service, options.cell, options.port, draw_number()) as bus:
 

@@ -9,12 +9,12 @@ import struct
 import sys
 from typing import NamedTuple
 
-FIFO_PRIORITY = {"plant": 50, "controller": 60, "supervisor": 40}  # the command is what the valves wait for
+FIFO_PRIORITY = 50  # the same for all: command and permit are both needed within a lease
 _SWITCH_INTERVAL_S = 50e-6  # Python's 5 ms lets a busy thread hold a callback back for seconds
 _MCL_CURRENT, _MCL_FUTURE = 1, 2
 _PR_SET_PDEATHSIG, _PR_SET_TIMERSLACK = 1, 29
 _held: list[int] = []  # the idle-latency request lasts while its file is open
-_priority: list[int] = []  # what was granted
+_granted_fifo: list[bool] = []
 
 
 class Granted(NamedTuple):
@@ -25,32 +25,33 @@ class Granted(NamedTuple):
     idle_latency: bool
 
 
-def claim(service: str, *, realtime: bool) -> Granted:
+def claim(*, realtime: bool) -> Granted:
     """Claim what the host permits; call it before the transport starts its threads, which inherit it."""
     sys.setswitchinterval(_SWITCH_INTERVAL_S)
     libc = ctypes.CDLL(None, use_errno=True)
     libc.prctl(_PR_SET_TIMERSLACK, 1, 0, 0, 0)
     if not realtime:
         return Granted(False, False, False)
-    return Granted(_fifo(FIFO_PRIORITY[service]), libc.mlockall(_MCL_CURRENT | _MCL_FUTURE) == 0, _idle_latency())
+    return Granted(_fifo(), libc.mlockall(_MCL_CURRENT | _MCL_FUTURE) == 0, _idle_latency())
 
 
-def _fifo(priority: int) -> bool:
+def _fifo() -> bool:
     try:
-        os.sched_setscheduler(0, os.SCHED_FIFO, os.sched_param(priority))
+        os.sched_setscheduler(0, os.SCHED_FIFO, os.sched_param(FIFO_PRIORITY))
     except (OSError, AttributeError):
         return False
-    _priority.append(priority)
+    _granted_fifo.append(True)
     return True
 
 
 def follow(clock: str) -> None:
     """Real-time scheduling where the wall clock paces; in lockstep it would starve whoever records or watches."""
-    for priority in _priority:
-        policy, param = (os.SCHED_FIFO, priority) if clock == "real" else (os.SCHED_OTHER, 0)
-        for thread in os.listdir("/proc/self/task"):
-            with contextlib.suppress(ProcessLookupError):
-                os.sched_setscheduler(int(thread), policy, os.sched_param(param))
+    if not _granted_fifo:
+        return
+    policy, priority = (os.SCHED_FIFO, FIFO_PRIORITY) if clock == "real" else (os.SCHED_OTHER, 0)
+    for thread in os.listdir("/proc/self/task"):
+        with contextlib.suppress(ProcessLookupError):
+            os.sched_setscheduler(int(thread), policy, os.sched_param(priority))
 
 
 def _idle_latency() -> bool:

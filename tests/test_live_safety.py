@@ -71,8 +71,11 @@ def test_a_reset_is_refused_while_the_plant_is_gone(cell: Cell, tmp_path: Path):
     status, words = ended(run)
     assert status in (3, 5) and "plant" in words, words
     reset = cell.run("reset")
-    assert reset.returncode == 3
-    assert "the plant's samples have stopped" in reset.stderr
+    assert reset.returncode == 5 and "the plant does not answer" in reset.stderr
+    asked = cell.bus.ask("supervisor", "reset", {}, 5.0)
+    assert asked is not None and not asked.accepted
+    assert "the plant's samples have stopped" in asked.reason
+    assert cell.status("supervisor")["mode"] == "TRIPPED"
 
 
 def test_a_controller_that_returns_moves_nothing(cell: Cell, tmp_path: Path):
