@@ -63,7 +63,6 @@ class Rig(NamedTuple):
     bus: Bus
     processes: cells.Processes
     samples: Inbox
-    cuts: Inbox
 
 
 def told(samples: Inbox) -> list[Told]:
@@ -135,13 +134,13 @@ def trial(rig_: Rig, experiment: Experiment, seed: int, fault: tuple[str, str]) 
     """One fault in one trial; the cell is whole again afterwards."""
     service, name = fault
     before = moving(rig_, experiment, seed)
-    rig_.cuts.take()
+    burned = int(cells.statuses(rig_.bus, ("plant",))["plant"]["burned_armings"])
     victim = rig_.processes[service]
     struck_ns = time.monotonic_ns()
     victim.send_signal(signal.Signals[name])
     result: dict[str, Any] = {"service": service, "signal": name, "codes": list(before[-1].codes)}
     if service == "plant":
-        result |= thaw_plant(rig_, before)
+        result |= thaw_plant(rig_, before, burned)
     else:
         at_ns, _, after = first_safe(rig_, struck_ns)
         result["zero_ms"] = (at_ns - struck_ns) / 1e6 if at_ns else None
@@ -156,7 +155,7 @@ def trial(rig_: Rig, experiment: Experiment, seed: int, fault: tuple[str, str]) 
     return result
 
 
-def thaw_plant(rig_: Rig, before: list[Told]) -> dict[str, Any]:
+def thaw_plant(rig_: Rig, before: list[Told], burned: int) -> dict[str, Any]:
     """A freeze is under way: drain what was sent before it, thaw, look at what the plant says first.
 
     Simulated time stood still, so between the two samples lies one period: the links may have run on for that one.
@@ -168,12 +167,12 @@ def thaw_plant(rig_: Rig, before: list[Told]) -> dict[str, Any]:
     rig_.processes["plant"].send_signal(signal.SIGCONT)
     at_ns, between, after = first_safe(rig_, thawed_ns)
     unsafe = between + quiet(rig_, after)
-    events = [message.body for message in rig_.cuts.take()]
+    plant = cells.statuses(rig_.bus, ("plant",))["plant"]
     return {
         "thaw_ms": (at_ns - thawed_ns) / 1e6 if at_ns else None,
         "moved_counts": step(before[-1], after[0]) if at_ns else None,
         "one_period_counts": max(steps, default=0),
-        "burned": any((event.state, event.cause) == (GateState.BURNED, GateCause.OVERSLEPT) for event in events),
+        "burned": plant["last_cut"] == GateCause.OVERSLEPT.name and plant["burned_armings"] > burned,
         "unsafe_afterwards": unsafe,
     }
 
@@ -215,7 +214,7 @@ def main() -> int:
     period_ms = experiment.plant.sample_period_substeps * 0.05
     with rig.running(place, extra) as (bus, processes):
         prompt = observe_promptly()
-        made = Rig(place, extra, bus, processes, bus.subscribe("plant/sample", RING), bus.subscribe("plant/gate"))
+        made = Rig(place, extra, bus, processes, bus.subscribe("plant/sample", RING))
         way = rig.spread(way_us(bus))
         for fault in FAULTS:
             for number in range(given.trials if given.only in (None, fault[0]) else 0):

@@ -29,6 +29,7 @@ class Gatekeeper:
         self.estop = False
         self.force_counts = 0
         self.late_substeps = self.command_age_ns = 0
+        self.last_cut = int(GateCause.NONE)  # of this trial
         self._bus, self._device, self._timeline, self._counters = bus, device, timeline, counters
         self._burned: set[int] = set()  # all of them: the gate's own memory holds the last 16
 
@@ -38,6 +39,7 @@ class Gatekeeper:
         self.gate = GateMemory(burned=self.gate.burned)
         self._device.write(self.gate.codes)
         self.late_substeps = 0
+        self.last_cut = int(GateCause.NONE)
 
     def receive_permits(self) -> None:
         """Hold the newest permit."""
@@ -79,8 +81,15 @@ class Gatekeeper:
         before, self.gate = self.gate, gate_step(self.gate, self.limits, seen, at_latch)
         self._burned.update(self.gate.burned)
         self._device.write(self.gate.codes)
+        if before.arming != 0 and self.gate.arming == 0:
+            self.last_cut = self.gate.cause
         if (before.state, before.cause) != (self.gate.state, self.gate.cause):
             self._tell(seen)
+
+    @property
+    def burned(self) -> frozenset[int]:
+        """Every arming number that a cut has burned."""
+        return frozenset(self._burned) - {0}
 
     def _burn(self, arming: int) -> None:
         """Let the gate know a number that must never open it; it may have forgotten."""

@@ -85,6 +85,8 @@ def _status(plant: "Plant", request: Request) -> None:
             "gate": keeper.gate.state,
             "gate_cause": GateCause(keeper.gate.cause).name,
             "dac_counts": list(keeper.gate.codes),
+            "last_cut": GateCause(keeper.last_cut).name,
+            "burned_armings": len(keeper.burned),
             "estop": keeper.estop,
             "experiment": plant.bus.run.experiment.hex(),
             "run": plant.bus.run.run,
