@@ -72,7 +72,7 @@ SENT = 400 + BIAS_TICKS + 30
 
 def started(plant: Bus, port: int, folder: Path) -> subprocess.Popen[bytes]:
     """A recorder that records into run.rrd from its start, once it hears the plant."""
-    arguments = ["--port", str(port), "--folder", str(folder), "--rrd", "run.rrd"]
+    arguments = ["--cell", "bench", "--port", str(port), "--folder", str(folder), "--rrd", "run.rrd"]
     process = subprocess.Popen([sys.executable, "-m", "services.recorder", *arguments])
     deadline = time.monotonic() + 20.0
     while "recorder" not in plant.alive() and time.monotonic() < deadline:
