@@ -16,8 +16,17 @@ class Counters:
     def reset(self) -> None:
         """A trial begins."""
         self.samples = self.late_commands = self.unanswered = self.late_permits = self.shifts = 0
+        self.first_unanswered_tick: int | None = None
         self.lateness_ns: deque[int] = deque(maxlen=_KEPT)
         self.command_age_ns: deque[int] = deque(maxlen=_KEPT)
+
+    def latch(self, tick: int, *, answered: bool, judged: bool) -> None:
+        """One sample of the trial, and whether command and permit had come by its latch."""
+        self.samples += 1
+        self.late_permits += not judged
+        self.unanswered += not answered
+        if not answered and tick >= 0 and self.first_unanswered_tick is None:  # before, the valves are shut anyway
+            self.first_unanswered_tick = tick
 
     def summary(self) -> dict[str, Any]:
         """Counts and percentiles, in us."""
@@ -25,6 +34,7 @@ class Counters:
             "samples": self.samples,
             "late_commands": self.late_commands,
             "unanswered": self.unanswered,
+            "first_unanswered_tick": self.first_unanswered_tick,
             "late_permits": self.late_permits,
             "grid_shifts": self.shifts,
             "lateness_us": percentiles(self.lateness_ns),

@@ -121,10 +121,9 @@ class Plant:
 
     def _count(self) -> None:
         """What was in time is decided here, at the latch's drain, and nowhere else."""
+        mailbox, number = self.keeper.mailbox, self.timeline.number
         if self.timeline.tick != NO_TRIAL:
-            self.counters.samples += 1
-            self.counters.unanswered += self.keeper.mailbox.answered < self.timeline.number
-            self.counters.late_permits += self.keeper.mailbox.judged < self.timeline.number
+            self.counters.latch(self.timeline.tick, answered=mailbox.answered >= number, judged=mailbox.judged >= number)
 
     def _await_answers(self) -> None:
         """Lockstep: until command and permit answer this sample; PeerSilentError names who does not."""
