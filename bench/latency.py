@@ -119,7 +119,7 @@ def stamp_handler(callback: Any) -> Any:
 
 def echo(cell: str, port: int, *, realtime: bool) -> int:
     """The other process: wake, answer, sleep."""
-    claim("plant", realtime=realtime)
+    claim(realtime=realtime)
     with Bus("plant", cell, port, 1) as bus:
         frames: list[bytes] = []
 
@@ -147,7 +147,7 @@ def baselines(given: Any, period_ns: int) -> tuple[list[float], list[float]]:
 def baseline(given: Any, period_ns: int) -> int:
     """What `baselines` runs."""
     place = rig.place_of(given)
-    claim("controller", realtime=not given.no_realtime)
+    claim(realtime=not given.no_realtime)
     sleep_us = sleeper(period_ns, given.seconds)
     print(json.dumps({"sleep_us": sleep_us, "ping_us": ping(place, period_ns, given.seconds, realtime=not given.no_realtime)}))
     return 0

@@ -19,24 +19,27 @@ def clock(monkeypatch):
 )
 def test_the_lease_is_three_times_the_worst_lateness_within_its_bounds(clock, worst_ns, chosen_ns):
     choice = LeaseChoice(fixed=False)
-    assert [choice.after(late_ns) for late_ns in (1, worst_ns, 2)] == [UNCHOSEN] * 3
+    assert [choice.after(late_ns, armed=False) for late_ns in (1, worst_ns, 2)] == [UNCHOSEN] * 3
     clock[0] = 2_000_000_000 - 1
-    assert choice.after(0) == UNCHOSEN
+    assert choice.after(0, armed=False) == UNCHOSEN
     assert not choice.chosen
     clock[0] = 2_000_000_000
-    assert choice.after(0) == chosen_ns
+    assert choice.after(0, armed=False) == chosen_ns
     assert choice.chosen
 
 
-def test_a_lease_is_chosen_once(clock):
+def test_a_lease_grows_with_what_is_seen_later_but_never_while_armed_and_never_back(clock):
     choice = LeaseChoice(fixed=False)
     clock[0] = 3_000_000_000
-    assert choice.after(0) == 20 * MS
-    assert choice.after(50 * MS) == UNCHOSEN
+    assert choice.after(0, armed=False) == 20 * MS
+    assert choice.after(20 * MS // 3, armed=False) == UNCHOSEN
+    assert choice.after(50 * MS, armed=True) == UNCHOSEN
+    assert choice.after(0, armed=False) == 150 * MS
+    assert choice.after(10 * MS, armed=False) == UNCHOSEN
 
 
 def test_a_fixed_lease_is_never_measured(clock):
     choice = LeaseChoice(fixed=True)
     clock[0] = 3_000_000_000
     assert choice.chosen
-    assert choice.after(50 * MS) == UNCHOSEN
+    assert choice.after(50 * MS, armed=False) == UNCHOSEN
