@@ -31,6 +31,7 @@ LONG_S = 60.0
 WATCHED_S = 3.0
 FROZEN_S = 1.0
 PATIENCE_S = 5.0
+RETRIES = 3
 RING = 4096
 KEPT = 200  # samples before the fault
 OBSERVER_PRIORITY = 60  # above the services: it works for microseconds a sample
@@ -105,9 +106,22 @@ def moving(rig_: Rig, experiment: Experiment, seed: int) -> list[Told]:
         time.sleep(0.001)
         last = (last + told(rig_.samples))[-KEPT:]
         if time.monotonic() > until + PATIENCE_S:
-            raise cells.CellError("the valves do not move")
+            found = cells.statuses(rig_.bus, ("plant", "supervisor"))
+            raise cells.CellError(
+                f"the valves do not move: {found['supervisor']['words']}; last cut {found['plant']['last_cut']}"
+            )
     time.sleep(random.uniform(0.0, 0.0045))  # any phase of the sample period
     return last + told(rig_.samples)
+
+
+def begin(rig_: Rig, experiment: Experiment, seed: int) -> list[Told]:
+    """A moving trial; one that ends by itself before the fault (a host's stall) is said and begun again."""
+    for _ in range(RETRIES):
+        try:
+            return moving(rig_, experiment, seed)
+        except cells.CellError as error:
+            rig.console.print(f"begun again: {error}")
+    return moving(rig_, experiment, seed)
 
 
 def first_safe(rig_: Rig, since_ns: int) -> tuple[int, int, list[Told]]:
@@ -133,7 +147,7 @@ def quiet(rig_: Rig, already: list[Told]) -> int:
 def trial(rig_: Rig, experiment: Experiment, seed: int, fault: tuple[str, str]) -> dict[str, Any]:
     """One fault in one trial; the cell is whole again afterwards."""
     service, name = fault
-    before = moving(rig_, experiment, seed)
+    before = begin(rig_, experiment, seed)
     burned = int(cells.statuses(rig_.bus, ("plant",))["plant"]["burned_armings"])
     victim = rig_.processes[service]
     struck_ns = time.monotonic_ns()
