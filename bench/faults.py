@@ -260,8 +260,8 @@ def words(result: dict[str, Any]) -> str:
         )
         return f"{name} {taken}, bound {result['bound_ms']:.1f} ms; unsafe samples afterwards: {result['unsafe_afterwards']}"
     return (
-        f"{name} first safe sample {result['thaw_ms']} ms after thawing; simulated time went on by {result['simulated_ms']} ms in "
-        f"{result['samples_between']} samples, joints by {result['moved_counts']} counts (in one period before: "
+        f"{name} first safe sample {result['thaw_ms']} ms after thawing; simulated time went on by {result['simulated_ms']} "
+        f"ms in {result['samples_between']} samples, joints by {result['moved_counts']} counts (in one period before: "
         f"{result['one_period_counts']}); "
         f"burned {result['burned']}; unsafe samples afterwards: {result['unsafe_afterwards']}"
     )
