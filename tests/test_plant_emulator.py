@@ -114,3 +114,16 @@ def test_the_noise_of_a_trial_is_that_of_its_ticks(scene):
         readings.append(row)
     assert readings[0] == readings[1]
     assert len(set(readings[0])) > 1
+
+
+@pytest.mark.parametrize("kind", ["free", "plate", "crate"])
+def test_nothing_compiles_after_the_emulator_is_made(scene, kind):
+    timeline, emulator = scene
+    compiled_for = list(emulator._advance.signatures)
+    emulator.load(PlantConfig(environment=Environment(kind=kind), sample_period_substeps=20), 5, -100, 300)
+    emulator.begin()
+    timeline.tick, timeline.substep = 0, 16
+    emulator.write(MOVING)
+    at(scene, 200)
+    assert list(emulator._advance.signatures) == compiled_for
+    assert len(compiled_for) == 1
