@@ -1,8 +1,8 @@
 """`hydrohil list`, `show`, `run`, `view`: everything about experiments and what they leave."""
 
+import importlib.util
 import json
 import os
-import subprocess
 import sys
 from pathlib import Path
 from typing import Annotated, Any
@@ -116,8 +116,11 @@ def view(recording: Annotated[Path | None, typer.Argument(help="A .rrd file; def
     chosen = recording or max(_RUNS.glob("*.rrd"), key=lambda path: path.stat().st_mtime, default=None)
     if chosen is None or not chosen.exists():
         raise fail(f"no recording at {chosen or _RUNS}: run an experiment with --rrd FILE first", EXIT_USAGE)
-    rerun = Path(sys.executable).with_name("rerun")
-    raise typer.Exit(subprocess.call([str(rerun), str(chosen)]))
+    package = importlib.util.find_spec("rerun_cli")
+    if package is None or package.origin is None:
+        raise fail("the Rerun viewer is not installed: `make install`", EXIT_USAGE)
+    viewer = Path(package.origin).with_name("rerun")  # itself: a signal to the script of that name would leave it behind
+    os.execv(viewer, [str(viewer), str(chosen)])
 
 
 def _experiment(name: str, settings: list[str] | None) -> Any:
