@@ -13,9 +13,21 @@ import rig
 from experiments.library import find
 from services.operator import cell as cells
 from services.operator.session import arm, load
+from shared.bus import Bus
 from shared.topics import SERVICES
 
 EXPERIMENT = "fig-4-25"
+PATIENCE_S = 10.0
+
+
+def comes(bus: Bus, service: str) -> bool:
+    """Whether a service answers; the loop does not wait for the recorder, so it may still be starting."""
+    deadline = time.monotonic() + PATIENCE_S
+    while time.monotonic() < deadline:
+        if cells.statuses(bus, (service,)):
+            return True
+        time.sleep(0.05)
+    return False
 
 
 def trial(place: cells.Place, order: tuple[str, ...], pause_s: float, extra: dict[str, list[str]]) -> dict[str, Any]:
@@ -31,7 +43,7 @@ def trial(place: cells.Place, order: tuple[str, ...], pause_s: float, extra: dic
             load(bus, find(EXPERIMENT), 0, "real")
             arm(bus)
             seconds = time.monotonic() - complete
-            present = "recorder" in cells.statuses(bus, ("recorder",), timeout_s=3.0)
+            present = comes(bus, "recorder")
         dead = [service for service, process in started.items() if process.poll() is not None]
         failure = f"{', '.join(dead)} ended" if dead else "" if present else "the recorder does not answer"
     except cells.CellError as error:
