@@ -1,7 +1,10 @@
+import time
+
 import pytest
 
 from services.plant import lease
 from services.plant.lease import UNCHOSEN, LeaseChoice
+from services.plant.wakeups import Probe
 
 MS = 1_000_000
 
@@ -43,3 +46,30 @@ def test_a_fixed_lease_is_never_measured(clock):
     clock[0] = 3_000_000_000
     assert choice.chosen
     assert choice.after(50 * MS, armed=False) == UNCHOSEN
+
+
+class Told:
+    """A probe that tells its worst at the third question."""
+
+    def __init__(self, worst_ns):
+        self.answers = [None, None, worst_ns]
+
+    def result(self):
+        return self.answers.pop(0)
+
+
+def test_a_probe_decides_when_and_what_it_saw_counts_with_what_the_loop_saw(clock):
+    choice = LeaseChoice(Told(9 * MS), fixed=False)
+    clock[0] = 3_000_000_000
+    assert [choice.after(8 * MS, armed=False) for _ in range(2)] == [UNCHOSEN] * 2
+    assert choice.after(0, armed=False) == 27 * MS
+    assert choice.after(10 * MS, armed=False) == 30 * MS
+
+
+def test_a_probe_measures_in_a_process_of_its_own():
+    probe = Probe(0.05, realtime=False)
+    deadline = time.monotonic() + 20.0
+    while (worst_ns := probe.result()) is None:
+        assert time.monotonic() < deadline
+        time.sleep(0.01)
+    assert 0 < worst_ns < 20_000_000_000

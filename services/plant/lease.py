@@ -5,6 +5,7 @@ Two seconds rarely see a host's worst, so while nothing is armed the lease still
 
 import time
 
+from services.plant.wakeups import Probe
 from shared.units import NS_PER_S
 
 MEASURED_S = 2.0  # of wake-ups before a lease is chosen
@@ -16,10 +17,10 @@ UNCHOSEN = 0
 class LeaseChoice:
     """Measures wake-ups, chooses after two seconds, and raises its choice between trials."""
 
-    def __init__(self, *, fixed: bool) -> None:
-        """A fixed lease was chosen on the command line."""
+    def __init__(self, probe: Probe | None = None, *, fixed: bool) -> None:
+        """A fixed lease was chosen on the command line; a probe measures since before this process was ready."""
         self.chosen = fixed
-        self._fixed = fixed
+        self._fixed, self._probe = fixed, probe
         self._lease_ns = MIN_LEASE_NS
         self._until_ns = time.monotonic_ns() + int(MEASURED_S * NS_PER_S)
         self._worst_ns = 0
@@ -29,10 +30,20 @@ class LeaseChoice:
         if self._fixed:
             return UNCHOSEN
         self._worst_ns = max(self._worst_ns, late_ns)
-        if armed or time.monotonic_ns() < self._until_ns:
+        if armed or not self._measured():
             return UNCHOSEN
         lease_ns = min(max(MIN_LEASE_NS, LEASE_PER_LATENESS * self._worst_ns), MAX_LEASE_NS)
         if self.chosen and lease_ns <= self._lease_ns:
             return UNCHOSEN
         self.chosen, self._lease_ns = True, lease_ns
         return lease_ns
+
+    def _measured(self) -> bool:
+        """Whether two seconds of wake-ups are in: the probe's, or this process's own."""
+        if self._probe is None:
+            return time.monotonic_ns() >= self._until_ns
+        worst_ns = self._probe.result()
+        if worst_ns is None:
+            return False
+        self._worst_ns, self._until_ns, self._probe = max(self._worst_ns, worst_ns), 0, None
+        return True

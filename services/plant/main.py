@@ -6,8 +6,9 @@ from collections.abc import Callable
 from services.plant.config import GateLimits
 from services.plant.device import Timeline
 from services.plant.emulator import Emulator
-from services.plant.lease import MAX_LEASE_NS
+from services.plant.lease import MAX_LEASE_NS, MEASURED_S, LeaseChoice
 from services.plant.service import PeerSilentError, Plant
+from services.plant.wakeups import Probe
 from shared.bus import Bus
 from shared.process import EXIT_TRANSPORT, options_of, parser, serve
 from shared.units import SUBSTEP_NS
@@ -33,12 +34,14 @@ def main(arguments: list[str] | None = None) -> int:
         line.error(
             f"the lease must be in 0..{MAX_LEASE_NS // _NS_PER_MS} ms and the gate's force limit in 0..{GAUGE_RANGE_N:g} N"
         )
+    fixed = given.permit_ttl_ms is not None
+    probe = None if fixed else Probe(MEASURED_S, realtime=options.realtime)
     timeline = Timeline()
     emulator = Emulator(timeline, limits.permit_ttl_ns // SUBSTEP_NS)
     silent: list[str] = []
 
     def run(bus: Bus, stopped: Callable[[], bool]) -> None:
-        plant = Plant(bus, emulator, timeline, limits, stopped, fixed_lease=given.permit_ttl_ms is not None)
+        plant = Plant(bus, emulator, timeline, limits, stopped, LeaseChoice(probe, fixed=fixed))
         try:
             plant.run()
         except PeerSilentError as error:

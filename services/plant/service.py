@@ -32,12 +32,12 @@ class Plant:
     """Samples, latches and requests, in that order, for ever."""
 
     def __init__(
-        self, bus: Bus, device: Device, timeline: Timeline, limits: GateLimits, stopped: Callable[[], bool], *, fixed_lease: bool
+        self, bus: Bus, device: Device, timeline: Timeline, limits: GateLimits, stopped: Callable[[], bool], lease: LeaseChoice
     ) -> None:
         """Take the places on the bus."""
         self.bus, self.device, self.timeline, self.stopped = bus, device, timeline, stopped
         self.grid, self.counters = Grid(), Counters()
-        self.lease = LeaseChoice(fixed=fixed_lease)
+        self.lease = lease
         self.keeper = Gatekeeper(bus, device, timeline, limits, self.counters)
         self.schedule = Schedule(PlantConfig())
         self.pending: Schedule | None = None
