@@ -153,11 +153,14 @@ def trial(rig_: Rig, experiment: Experiment, seed: int, fault: tuple[str, str]) 
     """One fault in one trial; the cell is whole again afterwards."""
     service, name = fault
     before = begin(rig_, experiment, seed)
-    burned = int(cells.statuses(rig_.bus, ("plant",))["plant"]["burned_armings"])
+    plant = cells.statuses(rig_.bus, ("plant",))["plant"]  # while armed the lease does not change
+    burned, lease_ms = int(plant["burned_armings"]), float(plant["lease_ms"])
+    period_ms = experiment.plant.sample_period_substeps * 0.05
     victim = rig_.processes[service]
     struck_ns = time.monotonic_ns()
     victim.send_signal(signal.Signals[name])
     result: dict[str, Any] = {"service": service, "signal": name, "codes": list(before[-1].codes)}
+    result |= {"lease_ms": lease_ms, "bound_ms": lease_ms + period_ms}
     if service == "plant":
         result |= thaw_plant(rig_, before, burned)
     else:
@@ -232,7 +235,6 @@ def main() -> int:
     given = line.parse_args()
     extra = rig.services_options(realtime=not given.no_realtime, permit_ttl_ms=given.permit_ttl_ms)
     experiment, place, results = swing(), rig.place_of(given), []
-    period_ms = experiment.plant.sample_period_substeps * 0.05
     with rig.running(place, extra) as (bus, processes):
         prompt = observe_promptly()
         made = Rig(place, extra, bus, processes, bus.subscribe("plant/sample", RING))
@@ -240,8 +242,7 @@ def main() -> int:
         for fault in FAULTS:
             for number in range(given.trials if given.only in (None, fault[0]) else 0):
                 with rig.console.status(f"{fault[1]} of the {fault[0]}: {number + 1} of {given.trials}"):
-                    lease_ms = float(cells.statuses(bus, ("plant",))["plant"]["lease_ms"])
-                    result = trial(made, experiment, number, fault) | {"lease_ms": lease_ms, "bound_ms": lease_ms + period_ms}
+                    result = trial(made, experiment, number, fault)
                 results.append(result)
                 rig.console.print(words(result))
     if not prompt:
