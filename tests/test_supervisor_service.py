@@ -6,6 +6,7 @@ import pytest
 from supervisor_scene import ABOUT, sample
 from wire_scene import FakeBus, header
 
+from services.supervisor import service
 from services.supervisor.service import Supervisor
 from shared.bus import Request
 from shared.codec import Received
@@ -133,3 +134,19 @@ def test_a_request_that_is_unknown_is_refused_by_name():
     assert not accepted
     assert "'dance'" in reason
     assert json.dumps(Scene().supervisor.status())
+
+
+@pytest.mark.parametrize(("clock", "patient_ns"), [("real", 20_000_000), ("lockstep", 6_000_000_000)])
+def test_a_request_to_a_cell_without_a_plant_is_answered_and_never_acts_later(monkeypatch, clock, patient_ns):
+    scene, answers = Scene(), []
+    text = seal({}, run=7, seed=1, clock=clock, bias_ticks=8, duration_ticks=100)
+    scene.commit(scene.ask("load", envelope=text)[2])
+    scene.supervisor._serve(Request("arm", {}, lambda *answer: answers.append(answer)))
+    monkeypatch.setattr(service.time, "monotonic_ns", lambda: patient_ns)
+    scene.supervisor._judge_absence()
+    assert not answers
+    monkeypatch.setattr(service.time, "monotonic_ns", lambda: patient_ns + 1)
+    scene.supervisor._judge_absence()
+    assert [accepted for accepted, _, _ in answers] == [False]
+    scene.judge()
+    assert scene.supervisor.memory.mode == Mode.DISARMED

@@ -27,7 +27,9 @@ def answer(plant: "Plant", request: Request) -> None:
 
 
 def _armed(plant: "Plant") -> bool:
-    """Whether a permit that is not stale carries an arming; the last one of a supervisor that died binds nobody."""
+    """Whether the gate is bound, or a permit that is not stale carries an arming; that of a supervisor that died binds nobody."""
+    if plant.keeper.gate.arming != 0:
+        return True
     permit = plant.keeper.mailbox.permit_seen(plant.now_ns())
     return permit.arming != 0 and 0 <= permit.age_ns <= plant.keeper.limits.permit_ttl_ns
 

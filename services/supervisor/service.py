@@ -20,6 +20,7 @@ from shared.realtime import follow
 from shared.units import NS_PER_S
 
 _IDLE_WAKE_S = 0.1
+_LOCKSTEP_SILENCE_NS = 6 * NS_PER_S  # the plant gives up on a peer after 5 s
 _EVENTS = {
     "arm": Event.ARM,
     "start": Event.START,
@@ -93,15 +94,14 @@ class Supervisor:
             self.params = supervisor_params(self.config, self.about, bias, duration)
 
     def _judge_absence(self) -> None:
-        """Wall time without a sample is a cause to trip, but in lockstep, where the plant waits and simulated time stands."""
-        if (
-            self.sample is None
-            or (self.memory.mode == DISARMED and not self.asked)  # a request must be answered now, not when the plant returns
-            or (self.envelope is not None and self.envelope.clock == "lockstep")
-        ):
+        """Wall time without a sample is a cause to trip; in lockstep, where the plant waits, only after it has given up."""
+        if self.sample is None or self.about is None:
             return
+        if self.memory.mode == DISARMED and not self.asked:  # a request must be answered now, not when the plant returns
+            return
+        lockstep = self.envelope is not None and self.envelope.clock == "lockstep"
         stale_ns = time.monotonic_ns() - self.sample.arrival_ns
-        if self.about is not None and stale_ns > self.about.permit_ttl_ns:
+        if stale_ns > (_LOCKSTEP_SILENCE_NS if lockstep else self.about.permit_ttl_ns):
             self._judge(self.sample, stale_ns)
 
     def _judge(self, message: Received, stale_ns: int) -> None:
