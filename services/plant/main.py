@@ -1,16 +1,16 @@
-"""Start-up of the plant: the emulator is compiled before the transport opens; the gate's limits come from here alone."""
+"""Start-up of the plant: the emulator is compiled before the transport opens; the gate's limits come from here alone.
+
+The host is measured from the first moment on, so what takes long to import is imported while that runs.
+"""
 
 import sys
 from collections.abc import Callable
 
 from services.plant.config import GateLimits
-from services.plant.device import Timeline
-from services.plant.emulator import Emulator
 from services.plant.lease import MAX_LEASE_NS, MEASURED_S, LeaseChoice
-from services.plant.service import PeerSilentError, Plant
 from services.plant.wakeups import Probe
 from shared.bus import Bus
-from shared.process import EXIT_TRANSPORT, options_of, parser, serve
+from shared.process import EXIT_TRANSPORT, Options, options_of, parser, serve
 from shared.units import SUBSTEP_NS
 
 _NS_PER_MS = 1_000_000
@@ -36,12 +36,21 @@ def main(arguments: list[str] | None = None) -> int:
         )
     fixed = given.permit_ttl_ms is not None
     probe = None if fixed else Probe(MEASURED_S, realtime=options.realtime)
+    return _serve(options, limits, LeaseChoice(probe, fixed=fixed))
+
+
+def _serve(options: Options, limits: GateLimits, lease: LeaseChoice) -> int:
+    """Compile, open the transport, and run; returns the exit status."""
+    from services.plant.device import Timeline
+    from services.plant.emulator import Emulator
+    from services.plant.service import PeerSilentError, Plant
+
     timeline = Timeline()
     emulator = Emulator(timeline, limits.permit_ttl_ns // SUBSTEP_NS)
     silent: list[str] = []
 
     def run(bus: Bus, stopped: Callable[[], bool]) -> None:
-        plant = Plant(bus, emulator, timeline, limits, stopped, LeaseChoice(probe, fixed=fixed))
+        plant = Plant(bus, emulator, timeline, limits, stopped, lease)
         try:
             plant.run()
         except PeerSilentError as error:
