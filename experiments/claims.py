@@ -1,7 +1,7 @@
 """Claims: what a source says must be seen, as a number and a band; and the verdict of a trace on each."""
 
 import math
-from typing import Annotated, Literal, NamedTuple
+from typing import Annotated, Literal, NamedTuple, Protocol
 
 from annotated_types import Ge, MinLen
 
@@ -32,6 +32,23 @@ UNITS: dict[Unit, tuple[Dimension, float]] = {  # what it measures, SI per unit
 }
 
 
+class Stated(Protocol):
+    """What every statement has: words, a band in a unit, a source."""
+
+    @property
+    def statement(self) -> str: ...  # noqa: D102
+    @property
+    def comparison(self) -> Comparison: ...  # noqa: D102
+    @property
+    def unit(self) -> Unit: ...  # noqa: D102
+    @property
+    def low(self) -> float: ...  # noqa: D102
+    @property
+    def high(self) -> float: ...  # noqa: D102
+    @property
+    def source(self) -> str: ...  # noqa: D102
+
+
 class Claim(NamedTuple):
     """One statement of a source, as a metric of a channel in a window against a band in `unit`; on the band holds."""
 
@@ -50,9 +67,14 @@ class Claim(NamedTuple):
 class Verdict(NamedTuple):
     """A claim, what was measured in the claim's unit, and whether it holds."""
 
-    claim: Claim
+    claim: Stated
     measured: float
     holds: bool
+
+
+def verdict(stated: Stated, measured: float) -> Verdict:
+    """The verdict on a number in the statement's unit."""
+    return Verdict(stated, measured, within_band(stated, measured))
 
 
 def judge(claim: Claim, trace: Trace) -> Verdict:
@@ -61,17 +83,17 @@ def judge(claim: Claim, trace: Trace) -> Verdict:
     if len(seen.t_s) < 2 or seen.t_s[-1] < claim.end_s - LATE_S:  # ended early: says nothing of what would have come
         return Verdict(claim, math.nan, False)
     measured = METRICS[claim.metric].of(seen, claim.channel) / UNITS[claim.unit][1]
-    return Verdict(claim, measured, within_band(claim, measured))
+    return verdict(claim, measured)
 
 
-def within_band(claim: Claim, measured: float) -> bool:
+def within_band(claim: Stated, measured: float) -> bool:
     """Whether `measured`, in the claim's unit, is what the claim states; on the limit it is, NaN is not."""
     above = measured >= claim.low - ROUNDING * abs(claim.low)
     below = measured <= claim.high + ROUNDING * abs(claim.high)
     return {"above": above, "below": below, "within": above and below}[claim.comparison]
 
 
-def band(claim: Claim) -> str:
+def band(claim: Stated) -> str:
     """The claim's band in words, e.g. `within 3.2..3.4 s`."""
     limits = {"above": f"{claim.low:g}", "below": f"{claim.high:g}", "within": f"{claim.low:g}..{claim.high:g}"}
     return f"{claim.comparison} {limits[claim.comparison]} {claim.unit}"

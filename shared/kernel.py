@@ -20,6 +20,7 @@ _marked: list[Callable[..., Any]] = []
 _registered = 0
 _SOURCE_ROOT = Path(__file__).resolve().parent.parent
 _SOURCE_FOLDERS = ("shared", "services", "rollout", "experiments")
+KERNEL_FOLDERS = ("shared", "services/plant", "services/controller", "services/supervisor", "rollout")  # where kernels may be
 
 
 def kernel(function: Function) -> Function:
@@ -30,8 +31,17 @@ def kernel(function: Function) -> Function:
 
 def source_version() -> str:
     """SHA-256 (16 hex digits) over every source file: names the code that produced a result."""
+    return _hash_of(_SOURCE_FOLDERS)
+
+
+def kernel_version() -> str:
+    """The same over every file that a kernel may be in or take a constant from: names the machine code."""
+    return _hash_of(KERNEL_FOLDERS)
+
+
+def _hash_of(folders: tuple[str, ...]) -> str:
     digest = hashlib.sha256()
-    for folder in _SOURCE_FOLDERS:
+    for folder in folders:
         for path in sorted((_SOURCE_ROOT / folder).rglob("*.py")):
             digest.update(str(path.relative_to(_SOURCE_ROOT)).encode())
             digest.update(path.read_bytes())
@@ -39,10 +49,10 @@ def source_version() -> str:
 
 
 def _point_cache_at_sources() -> None:
-    """Key numba's cache folder by every source: its own key misses a callee that changed in another file."""
+    """Key numba's cache folder by every source of a kernel: its own key misses a callee that changed in another file."""
     machine = hashlib.sha256(f"{platform.machine()}{platform.processor()}{platform.python_version()}".encode())
     base = Path(os.environ.get("HYDROHIL_CACHE", Path.home() / ".cache" / "hydrohil"))
-    os.environ["NUMBA_CACHE_DIR"] = str(base / "kernels" / f"{source_version()}-{machine.hexdigest()[:8]}")
+    os.environ["NUMBA_CACHE_DIR"] = str(base / "kernels" / f"{kernel_version()}-{machine.hexdigest()[:8]}")
 
 
 def compiled(function: Function) -> Function:

@@ -5,10 +5,12 @@ from pathlib import Path
 
 import pytest
 
+from shared.kernel import KERNEL_FOLDERS
+
 ROOT = Path(__file__).resolve().parent.parent
 SOURCES = {
     path.relative_to(ROOT).as_posix(): path
-    for folder in ("shared", "services", "rollout")
+    for folder in ("shared", "services", "rollout", "experiments", "analysis", "reproduction", "tuning")
     for path in (ROOT / folder).rglob("*.py")
 }
 IMPURE = {
@@ -59,6 +61,12 @@ def test_the_rules_below_look_at_something():
     assert {"services/plant/gate.py", "services/supervisor/step.py", "services/controller/laws.py"} <= set(KERNELS)
 
 
+def test_kernels_lie_where_the_name_of_the_machine_code_sees_them():
+    assert not [name for name in KERNELS if not name.startswith(tuple(f"{folder}/" for folder in KERNEL_FOLDERS))]
+    kernel_files = [SOURCES[name] for name in KERNELS]
+    assert not [path for path in kernel_files if roots(path) & {"experiments"}]
+
+
 def test_only_the_bus_imports_the_transport():
     assert [name for name, path in SOURCES.items() if "zenoh" in roots(path)] == ["shared/bus.py"]
 
@@ -69,18 +77,28 @@ def test_only_the_recorder_and_who_opens_its_viewer_import_rerun():
     assert all(name.startswith("services/recorder/") for name in users)
 
 
+BELOW = {  # what each folder may import of ours, beside itself; a service: `shared` alone
+    "shared": set(),
+    "experiments": {"shared", "services"},
+    "rollout": {"shared", "services", "experiments"},
+    "analysis": {"shared", "services", "experiments", "rollout"},
+    "reproduction": {"shared", "services", "experiments", "rollout", "analysis"},
+    "tuning": {"shared", "services", "experiments", "rollout"},
+}
+
+
 @pytest.mark.parametrize("name", sorted(SOURCES))
 def test_imports_point_downwards(name):
-    allowed = {"rollout": {"shared", "services", "experiments", "rollout"}, "shared": {"shared"}}
     folder, _, rest = name.partition("/")
-    if folder == "services" and not rest.startswith("operator/"):
+    ours = roots(SOURCES[name]) & {*BELOW, "services", "tests"}
+    if folder != "services":
+        assert ours - {folder} <= BELOW[folder]
+        assert not {found for found in imports(SOURCES[name]) if found.startswith("services.operator")}
+    elif not rest.startswith("operator/"):
         service = rest.split("/")[0]
         foreign = {found for found in imports(SOURCES[name]) if found.startswith("services.") and found.split(".")[1] != service}
         assert not foreign
-        assert not roots(SOURCES[name]) & {"rollout", "experiments", "tests"}
-    elif folder != "services":
-        ours = roots(SOURCES[name]) & {"shared", "services", "rollout", "experiments", "tests"}
-        assert ours <= allowed[folder]
+        assert ours <= {"shared", "services"}
 
 
 @pytest.mark.parametrize("name", KERNELS)

@@ -1,7 +1,7 @@
 from pathlib import Path
 
 from shared import kernel as module
-from shared.kernel import compiled, kernel, source_version
+from shared.kernel import compiled, kernel, kernel_version, source_version
 
 
 @kernel
@@ -37,8 +37,21 @@ def test_the_version_of_the_sources_changes_with_any_of_them(tmp_path, monkeypat
     assert len(set(versions)) == 3
 
 
+def test_the_machine_code_is_named_by_what_it_is_made_of_and_not_by_the_rest(tmp_path, monkeypatch):
+    law, claim = tmp_path / "services" / "controller" / "law.py", tmp_path / "experiments" / "claim.py"
+    for path in (law, claim):
+        path.parent.mkdir(parents=True)
+        path.write_text("a = 1")
+    monkeypatch.setattr(module, "_SOURCE_ROOT", tmp_path)
+    first = kernel_version()
+    claim.write_text("a = 2")
+    assert kernel_version() == first
+    law.write_text("a = 2")
+    assert kernel_version() != first
+
+
 def test_the_cache_lies_in_a_folder_of_this_version():
     import os
 
     compiled(twice)
-    assert source_version() in Path(os.environ["NUMBA_CACHE_DIR"]).name
+    assert kernel_version() in Path(os.environ["NUMBA_CACHE_DIR"]).name
