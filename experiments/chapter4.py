@@ -9,6 +9,7 @@ from typing import Literal, NamedTuple
 
 from experiments import claims4
 from experiments.experiment import Experiment
+from experiments.pairs import PairClaim
 from services.controller.config import ControllerConfig, Segment
 from services.plant.config import PlantConfig
 from shared.units import RAD_PER_DEG
@@ -88,3 +89,4 @@ def experiment(law: Law, pattern: Pattern) -> Experiment:
 
 LAWS: tuple[Law, ...] = ("pi", "morse", "deadband", "vetia", "final")
 EXPERIMENTS = tuple(experiment(law, pattern) for law in LAWS for pattern in PATTERNS)
+PAIRS: tuple[PairClaim, ...] = ()

@@ -9,6 +9,7 @@ import math
 
 from experiments import claims5
 from experiments.experiment import Experiment
+from experiments.pairs import PairClaim
 from services.controller.config import ControllerConfig, ImpedanceConfig, Segment
 from services.plant.config import PlantConfig
 from services.plant.params import UNIMATE, Environment
@@ -143,3 +144,4 @@ EXPERIMENTS = (
     ),
     push("5-14", "push-crate-position", "Push against a crate, position control", ControllerConfig(target="cartesian")),
 )
+PAIRS: tuple[PairClaim, ...] = ()

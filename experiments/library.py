@@ -5,12 +5,21 @@ from functools import cache
 from experiments import chapter4, chapter5
 from experiments.errors import ExperimentError, nearest
 from experiments.experiment import Experiment
+from experiments.pairs import PairClaim
+
+_CHAPTERS = (chapter4, chapter5)
 
 
 @cache
 def catalogue() -> tuple[Experiment, ...]:
     """All experiments in the order of the thesis."""
-    return chapter4.EXPERIMENTS + chapter5.EXPERIMENTS
+    return tuple(experiment for chapter in _CHAPTERS for experiment in chapter.EXPERIMENTS)
+
+
+@cache
+def pairs() -> tuple[PairClaim, ...]:
+    """All claims about two trials at once."""
+    return tuple(claim for chapter in _CHAPTERS for claim in chapter.PAIRS)
 
 
 @cache
