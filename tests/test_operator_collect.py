@@ -8,7 +8,7 @@ from recorder_trial import trial
 
 from services.operator.collect import Collector, GapError
 from shared.codec import Received
-from shared.messages import NO_TRIAL, GateCause, GateEvent, GateState
+from shared.messages import NO_TRIAL, GateCause, GateEvent, GateState, Mode, TripCause
 
 TICKS = 40
 
@@ -21,6 +21,9 @@ class Ring:
 
     def take(self) -> list[Received]:
         return self.messages
+
+    def peek(self) -> Received | None:
+        return self.messages[-1] if self.messages else None
 
 
 class Network:
@@ -88,16 +91,36 @@ def event(state: GateState, cause: GateCause, run: int = RUN, measured: float = 
     return Received(0, "plant/gate", MESSAGES[0].header._replace(run=run), body)
 
 
-def cut(*events: Received) -> str:
-    return Collector(Network(list(events))).cut(RUN)  # type: ignore[arg-type]
+PERMIT = next(m for m in MESSAGES if m.topic == "supervisor/permit")
+
+
+def permit(cause: TripCause, run: int = RUN, mode: Mode = Mode.TRIPPED) -> Received:
+    body = PERMIT.body._replace(mode=int(mode), cause=int(cause), measured=340.0, limit=334.0, trip_number=91)
+    return Received(0, "supervisor/permit", PERMIT.header._replace(run=run), body)
+
+
+def trip(*messages: Received) -> str:
+    return Collector(Network(list(messages))).trip(RUN)  # type: ignore[arg-type]
+
+
+def test_a_trip_is_told_by_the_permits_though_nobody_answers_requests():
+    assert trip(permit(TripCause.FORCE_TARED)).endswith(": 340 against 334 (sample 91)")
+    assert trip(permit(TripCause.ESTOP)) == "the operator's emergency stop (sample 91)"
+
+
+def test_neither_another_run_nor_a_supervisor_that_permits_is_a_trip():
+    assert trip() == ""
+    assert trip(permit(TripCause.FORCE_TARED, run=RUN + 1)) == ""
+    assert trip(permit(TripCause.FORCE_TARED, mode=Mode.RUNNING)) == ""
 
 
 def test_the_first_cut_of_the_run_is_told_with_its_numbers():
     stale = event(GateState.BURNED, GateCause.COMMAND_STALE, measured=0.022, limit=0.02)
-    assert cut(stale, event(GateState.BURNED, GateCause.BURNED_ARMING)) == (
+    assert trip(permit(TripCause.GATE_CUT), stale, event(GateState.BURNED, GateCause.BURNED_ARMING)) == (
         "the gate has cut: the controller's commands have stopped (s): 0.022 against 0.02 (sample 90)"
     )
 
 
 def test_neither_another_run_nor_a_gate_that_opens_is_a_cut():
-    assert cut(event(GateState.BURNED, GateCause.ESTOP, run=RUN + 1), event(GateState.OPEN, GateCause.NONE)) == ""
+    others = (event(GateState.BURNED, GateCause.ESTOP, run=RUN + 1), event(GateState.OPEN, GateCause.NONE))
+    assert trip(permit(TripCause.GATE_CUT), *others) == "the gate has cut; its own event says why: 340 against 334 (sample 91)"

@@ -6,9 +6,10 @@ from typing import Any
 import numpy as np
 
 from experiments.trace import Trace
+from services.supervisor.rules import trip_words
 from shared.bus import Bus
 from shared.codec import Received
-from shared.messages import NO_TRIAL, GateCause, GateState
+from shared.messages import NO_TRIAL, GateCause, GateState, Mode, TripCause
 from shared.units import NS_PER_S
 
 _FROM_STATE = (
@@ -57,7 +58,16 @@ class Collector:
         self.permits = bus.subscribe("supervisor/permit", DEPTH)
         self.gate_events = bus.subscribe("plant/gate", DEPTH)
 
-    def cut(self, run: int) -> str:
+    def trip(self, run: int) -> str:
+        """Why this run tripped, in words; "" if it did not. The permits tell: an overloaded cell may answer no request."""
+        newest = self.permits.peek()
+        if not isinstance(newest, Received) or newest.header.run != run or newest.body.mode != Mode.TRIPPED:
+            return ""
+        permit = newest.body
+        told = trip_words(TripCause(permit.cause), permit.measured, permit.limit, permit.trip_number)
+        return (permit.cause == TripCause.GATE_CUT and self._cut(run)) or told
+
+    def _cut(self, run: int) -> str:
         """Why the gate cut in this run, in words; "" if it told of no cut."""
         events = (m.body for m in self.gate_events.take() if m.header.run == run)
         event = next((body for body in events if body.state == GateState.BURNED), None)

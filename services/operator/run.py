@@ -14,7 +14,7 @@ from rollout.rollout import play_local, trace_of
 from services.operator import cell as cells
 from services.operator.report import Report, markdown
 from services.operator.session import Live, run_live
-from services.supervisor.rules import WORDS
+from services.supervisor.rules import trip_words
 from shared.bus import Bus
 from shared.messages import Mode, TripCause
 from shared.topics import SERVICES
@@ -44,7 +44,7 @@ def _local(wanted: Wanted, console: Console) -> Report:
     trip = outcome.supervisor
     tripped = ""
     if trip.mode == Mode.TRIPPED:
-        tripped = f"{WORDS[TripCause(trip.cause)]}: {trip.measured:.4g} against {trip.limit:.4g} (tick {outcome.rows.tick[-1]})"
+        tripped = trip_words(TripCause(trip.cause), trip.measured, trip.limit, trip.trip_number)
     return _report(wanted, trace_of(outcome), tripped, "", wall_s, {})
 
 

@@ -14,7 +14,7 @@ from services.plant.config import bias_ticks
 from shared.bus import Bus
 from shared.codec import Received, Rejected
 from shared.envelope import seal
-from shared.messages import NO_COMMAND, NO_TRIAL, Mode, TripCause
+from shared.messages import NO_COMMAND, NO_TRIAL, Mode
 
 _RUN_BITS = 48
 _WATCH_S = 0.05
@@ -116,11 +116,8 @@ def run_live(bus: Bus, experiment: Experiment, seed: int, clock: str, show: Call
         raise
     time.sleep(_WATCH_S)  # the last answers are under way
     found = statuses(bus)
-    supervisor = found.get("supervisor", {})
     ticks = duration_ticks(experiment.duration_s, experiment.plant)
-    tripped = str(supervisor.get("words", "")) if supervisor.get("mode") == Mode.TRIPPED.name else ""
-    if supervisor.get("cause") == TripCause.GATE_CUT.name:
-        tripped = collector.cut(run) or tripped
+    tripped = collector.trip(run)
     try:
         trace = collector.trace(run, ticks)
     except GapError as error:

@@ -213,6 +213,12 @@ WORDS = {rule.cause: rule.words for rule in RULES} | {
 }
 
 
+def trip_words(cause: TripCause, measured: float, limit: float, number: int) -> str:
+    """A trip for people: what no longer held, the number against its limit, and the sample at which."""
+    numbers = "" if cause == TripCause.ESTOP else f": {measured:.4g} against {limit:.4g}"
+    return f"{WORDS[cause]}{numbers} (sample {number})"
+
+
 def fold(rules: tuple[Rule, ...]) -> Callable[[Observed, Limits], tuple[int, float, float]]:
     """One kernel of all rows: (cause, measured, limit) of the first that does not hold, (0, 0, 0) if all do."""
     chain: Callable[[Observed, Limits], tuple[int, float, float]] = _nothing_broken

@@ -9,7 +9,7 @@ from typing import Any
 from services.supervisor.config import SupervisorConfig
 from services.supervisor.modes import ARMED, DISARMED, RUNNING, TRIPPED, Event
 from services.supervisor.params import below_gate, supervisor_params
-from services.supervisor.rules import WORDS
+from services.supervisor.rules import trip_words
 from services.supervisor.step import Asked, SupervisorMemory, supervisor_step
 from shared.bus import Bus, Request, Run
 from shared.codec import Received
@@ -162,9 +162,8 @@ class Supervisor:
 
     def trip_words(self) -> str:
         """Cause, number and limit of the latched trip."""
-        cause = TripCause(self.memory.cause)
-        numbers = "" if cause == TripCause.ESTOP else f": {self.memory.measured:.4g} against {self.memory.limit:.4g}"
-        return f"{WORDS[cause]}{numbers} (sample {self.memory.trip_number})"
+        memory = self.memory
+        return trip_words(TripCause(memory.cause), memory.measured, memory.limit, memory.trip_number)
 
     def _serve(self, request: Request) -> None:
         if request.verb in _EVENTS:
