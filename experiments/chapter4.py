@@ -89,4 +89,4 @@ def experiment(law: Law, pattern: Pattern) -> Experiment:
 
 LAWS: tuple[Law, ...] = ("pi", "morse", "deadband", "vetia", "final")
 EXPERIMENTS = tuple(experiment(law, pattern) for law in LAWS for pattern in PATTERNS)
-PAIRS: tuple[PairClaim, ...] = ()
+PAIRS: tuple[PairClaim, ...] = claims4.PAIRS

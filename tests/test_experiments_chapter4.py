@@ -69,3 +69,13 @@ def test_windows_of_claims_hold_what_they_speak_of():
         times, deg = pattern_deg(f"final-{name}")
         resting = (times >= 4.0) & (times <= claims4.THERE_S)
         assert np.ptp(deg[resting]) < 1e-9
+
+
+def test_the_final_law_is_set_against_pi_on_every_pattern_over_the_whole_trial():
+    compared = [(find(pair.of), find(pair.against), pair) for pair in chapter4.PAIRS if pair.metric == "rms_error"]
+    assert {of.alias for of, _, _ in compared} == {f"pi-{pattern}" for pattern in chapter4.PATTERNS}
+    for of, against, pair in compared:
+        assert against.alias == of.alias.replace("pi-", "final-")
+        assert (pair.start_s, pair.end_s) == (0.0, of.duration_s)
+        tracking = "ramp" in of.alias or "sine" in of.alias
+        assert pair.low == (4.5 if tracking else 1.0)
