@@ -13,7 +13,7 @@ from shared.units import A_PER_MA, RAD_PER_DEG
 ROUNDING = 1e-9  # two encoder counts, measured as a difference of angles, are 2 +- a few 1e-15 of a full turn
 LATE_S = 0.1  # jitter adds up: the last sample lies this far before the trial's nominal end at most
 Comparison = Literal["below", "above", "within"]
-Unit = Literal["rad", "deg", "m", "mm", "cm", "N", "A", "mA", "s", "1/s", "1", "%", "counts"]
+Unit = Literal["rad", "deg", "m", "mm", "cm", "N", "A", "mA", "s", "1/s", "1", "%", "counts", "kN/m", "deg/s"]
 
 UNITS: dict[Unit, tuple[Dimension, float]] = {  # what it measures, SI per unit
     "rad": ("angle", 1.0),
@@ -29,6 +29,8 @@ UNITS: dict[Unit, tuple[Dimension, float]] = {  # what it measures, SI per unit
     "1": ("number", 1.0),
     "%": ("number", 0.01),
     "counts": ("number", 1.0),
+    "kN/m": ("stiffness", 1e3),
+    "deg/s": ("speed", RAD_PER_DEG),
 }
 
 

@@ -2,12 +2,12 @@
 
 from functools import cache
 
-from experiments import chapter4, chapter5
+from experiments import appendix, chapter4, chapter5
 from experiments.errors import ExperimentError, nearest
 from experiments.experiment import Experiment
 from experiments.pairs import PairClaim
 
-_CHAPTERS = (chapter4, chapter5)
+_CHAPTERS = (chapter4, chapter5, appendix)
 
 
 @cache

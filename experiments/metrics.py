@@ -78,7 +78,7 @@ MetricName = Literal[
     "braking_control_ratio",
     "upward_error_ratio",
 ]
-Dimension = Literal["channel", "angle", "length", "force", "time", "current", "number", "rate"]
+Dimension = Literal["channel", "angle", "length", "force", "time", "current", "number", "rate", "stiffness", "speed"]
 
 
 class Metric(NamedTuple):

@@ -95,4 +95,5 @@ def test_an_inconsistent_claim_is_named_by_field(changes, field):
 def test_a_band_reads_as_words():
     assert band(CLAIM) == "within 94..106 N"
     assert band(CLAIM._replace(comparison="below", unit="%")) == "below 106 %"
-    assert {dimension for dimension, _ in UNITS.values()} == {"angle", "length", "force", "current", "time", "rate", "number"}
+    dimensions = {"angle", "length", "force", "current", "time", "rate", "number", "stiffness", "speed"}
+    assert {dimension for dimension, _ in UNITS.values()} == dimensions
