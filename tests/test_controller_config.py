@@ -12,7 +12,7 @@ from services.controller.config import (
     impedance_params,
     segment_table,
 )
-from services.controller.params import TARGET_JOINT, UNIMATE_GAINS
+from services.controller.params import FORMULATION_MEASURED, TARGET_JOINT, UNIMATE_GAINS
 from shared.converters import UNIMATE_CONVERTERS, UNIMATE_ENCODERS, UNIMATE_FORCE
 from shared.messages import About
 from shared.pose import UNIMATE_GEOMETRY
@@ -80,7 +80,7 @@ def test_kernel_parameters_hold_floats_even_where_ints_were_written():
     )
     params = controller_params(config, ABOUT, -444)
     assert all(type(value) is float for gains in params.gains for value in gains)
-    assert [type(value) for value in params.impedance] == [float, float, float, float, int, float]
+    assert [type(value) for value in params.impedance] == [float, float, float, float, int, float, float, int]
     assert all(type(value) is float for value in params.recover_current_a)
     assert (params.impedance.natural_frequency_rad_per_s, params.first_tick) == (2.0, -444)
 
@@ -125,3 +125,47 @@ def test_compensation_without_an_environment_and_a_tight_limit_above_the_wide_on
         check(ControllerConfig(impedance=ImpedanceConfig(environment_n_per_m=0.0, setpoint_compensation=True)), (), POSE)
     with pytest.raises(ValueError, match="tight_slew_codes 100 exceeds slew_codes 50"):
         check(ControllerConfig(slew_codes=50), (), POSE)
+
+
+EXPLICIT = ControllerConfig(target="explicit")
+MEASURED = ImpedanceConfig(formulation="measured")
+
+
+@pytest.mark.parametrize(
+    ("config", "segment", "says"),
+    [
+        (
+            EXPLICIT._replace(impedance=ImpedanceConfig(environment_n_per_m=0.0)),
+            None,
+            "'explicit' divides by environment_n_per_m",
+        ),
+        (EXPLICIT, Segment("z", "step", amount=0.01), "target 'explicit' reads force"),
+        (EXPLICIT, Segment("q2", "step", amount=0.01), "target 'explicit' reads force"),
+        (EXPLICIT._replace(impedance=MEASURED), None, "'explicit' is the equivalent of formulation 'setpoint'"),
+        (ControllerConfig(impedance=MEASURED, acting=(False, True, True)), None, "all links must act"),
+        (ControllerConfig(acting=(False, False, False)), None, "no link acts"),
+        (
+            JOINT._replace(acting=(False, True, True)),
+            Segment("q1", "step", amount=0.01),
+            "moves q1, which controller.acting holds",
+        ),
+    ],
+)
+def test_force_control_formulations_and_links_that_do_not_fit_are_refused_in_one_line(config, segment, says):
+    with pytest.raises(ValueError, match=says) as refused:
+        check(config, (segment,) if segment else (), POSE)
+    assert "\n" not in str(refused.value)
+
+
+def test_what_acts_and_how_the_target_is_formulated_reach_the_kernel_as_numbers():
+    check(EXPLICIT, (Segment("force", "step", amount=50.0),), POSE)
+    check(ControllerConfig(impedance=MEASURED), (Segment("z", "step", amount=0.01),), POSE)
+    params = controller_params(ControllerConfig(impedance=MEASURED, acting=(False, True, False)), ABOUT, -444)
+    assert (params.acting, params.impedance.formulation) == ((0, 1, 0), FORMULATION_MEASURED)
+    assert params.impedance.environment_n_per_m == 25e3
+
+
+def test_a_force_error_knows_no_dead_zone_and_a_position_error_does():
+    for target, dead_zones in (("explicit", {0.0}), ("impedance", {g.error_dead_zone_rad for g in UNIMATE_GAINS})):
+        params = controller_params(ControllerConfig(target=target), ABOUT, -444)
+        assert {gains.error_dead_zone_rad for gains in params.gains} == dead_zones

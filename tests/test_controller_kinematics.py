@@ -4,7 +4,7 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from services.controller.kinematics import CLAMPED_HIGH, CLAMPED_LOW, CLAMPED_UNREACHABLE, clamp_joints, inverse
+from services.controller.kinematics import CLAMPED_HIGH, CLAMPED_LOW, CLAMPED_UNREACHABLE, clamp_joints, inverse, tip_velocity
 from shared.converters import UNIMATE_ENCODERS, UNIMATE_FORCE, calibration
 from shared.kernel import compiled
 from shared.pose import UNIMATE_GEOMETRY, forward, joint_positions
@@ -101,3 +101,23 @@ def test_no_input_leaves_the_domain_and_compiled_agrees_in_every_bit():
             for x in ((a, b, 0.3), (0.3, a, b), (b, 0.3, a)):
                 assert repr(inverse(G, x, -0.5)) == repr(to_q(G, x, -0.5))
                 assert repr(forward(G, x, b)) == repr(to_x(G, x, b))
+
+
+@pytest.mark.parametrize("pitch", [0.0, -0.7, OUTWARD_RAD])
+@pytest.mark.parametrize("q", [(0.0, 0.0, 0.212), (0.7, -0.4, 0.05), (-1.5, 0.45, 1.0)])
+def test_the_tips_velocity_is_the_change_of_its_position(q, pitch):
+    qd, h = (0.3, -0.8, 0.5), 1e-5
+    ahead, behind = (forward(G, tuple(a + s * h * b for a, b in zip(q, qd, strict=True)), pitch) for s in (1.0, -1.0))
+    want = tuple((a - b) / (2.0 * h) for a, b in zip(ahead, behind, strict=True))
+    assert tip_velocity(G, q, pitch, qd) == pytest.approx(want, abs=1e-9)
+
+
+def test_a_tip_one_metre_out_falls_by_a_metre_per_radian():
+    assert tip_velocity(G, (0.0, 0.0, 0.212), 0.0, (0.0, 1.0, 0.0)) == pytest.approx((0.13 - 0.5, 0.0, -1.0))
+
+
+def test_the_tips_velocity_leaves_no_domain_and_agrees_compiled():
+    fast = compiled(tip_velocity)
+    for value in EDGES:
+        for q, pitch, qd in (((value, value, value), 0.1, (1.0, 2.0, 3.0)), ((0.1, 0.2, 0.3), value, (value, 1.0, value))):
+            assert repr(tip_velocity(G, q, pitch, qd)) == repr(fast(G, q, pitch, qd))

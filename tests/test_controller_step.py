@@ -5,6 +5,7 @@ import numpy as np
 import pytest
 
 from services.controller.config import LAWS, TARGETS, ControllerConfig, ImpedanceConfig, Segment, controller_params, segment_table
+from services.controller.explicit import FILTERS_AT_REST
 from services.controller.step import STOPPED, control_start, control_step, slewed_code
 from shared.converters import (
     MAX_CODE,
@@ -238,6 +239,57 @@ def test_a_push_moves_the_set_point_away_and_a_force_set_point_moves_it_against_
     assert out[-1][1].force_set_n == 40.0
 
 
+@pytest.mark.parametrize(("axis", "sign"), [(2, 1.0), (0, -1.0)])
+def test_explicit_control_presses_where_force_is_missing_and_yields_where_there_is_too_much(axis, sign):
+    params = _params(axis, sign, target="explicit", law="pi")
+    pressing = _run(params, (Segment("force", "step", amount=40.0),), [*_bias_phase(), *(_sample(t) for t in range(60))])[1][-1][
+        1
+    ]
+    yielding = _run(params, (), [*_bias_phase(), *(_sample(t, force=60) for t in range(60))])[1][-1][1]
+    assert sign * (pressing.x_set_m[axis] - pressing.x_m[axis]) < 0.0
+    assert sign * (yielding.x_set_m[axis] - yielding.x_m[axis]) > 0.0
+    for thought in (pressing, yielding):
+        assert all(thought.x_set_m[i] == thought.x_m[i] for i in range(3) if i != axis)
+
+
+def test_a_vertical_way_becomes_an_angle_by_the_lever():
+    # thesis 6.2.1 prints the transposed Jacobian; a link of length d turns by way / d, more for a shorter one
+    for slide, lever_m in ((207, 1.0), (0, 0.783)):
+        counts = (COUNTS[0], COUNTS[1], slide, *COUNTS[3:])
+        params = _params(target="explicit", law="pi")
+        samples = [_sample(t, counts=counts) for t in range(FIRST, 30)]
+        thought = _run(params, (Segment("force", "step", amount=40.0),), samples)[1][-1][1]
+        turned = thought.q_set_rad[1] - thought.q_rad[1]
+        assert turned == pytest.approx((thought.x_m[2] - thought.x_set_m[2]) / lever_m, rel=0.01)
+
+
+def test_the_filters_of_explicit_control_start_from_nothing_after_a_cut():
+    params, push = _params(target="explicit"), (Segment("force", "step", amount=40.0),)
+    memory, _ = _run(params, push, [*_bias_phase(), *(_sample(t) for t in range(50))])
+    assert memory.explicit.shared_m > 0.0
+    memory, _ = _run(params, push, [_sample(50, gate=BURNED)], memory)
+    assert memory.explicit == FILTERS_AT_REST
+
+
+def test_links_that_do_not_act_get_no_current_and_gather_none():
+    params = _params(law="pi", target="joint", acting=(False, True, False))
+    _, out = _run(params, JOINT_STEP, [*_bias_phase(), *(_sample(t) for t in range(60))])
+    thought = out[-1][1]
+    assert (thought.current_a[0], thought.current_a[2]) == (0.0, 0.0)
+    assert (thought.integral_a[0], thought.integral_a[2]) == (0.0, 0.0)
+    assert (out[-1][0][0], out[-1][0][2]) == (ZERO_CODE, ZERO_CODE)
+    assert thought.current_a[1] > 0.0
+
+
+def test_the_alternate_formulation_is_damped_by_the_measured_velocity():
+    # the tool is carried down at constant speed without force: the damper asks the set-point to go up
+    params = _params(target="impedance", impedance=ImpedanceConfig(500.0, 50.0, 1.0, "model", formulation="measured"))
+    samples = [*_bias_phase(), *(_sample(t, counts=_moved(0, -2 * t)) for t in range(60))]
+    memory, out = _run(params, (), samples)
+    assert out[-1][1].x_m[2] < out[FIRST][1].x_m[2]
+    assert memory.impedance.velocity_m_per_s[2] > 0.0
+
+
 def test_measured_and_demanded_force_pass_the_same_filter():
     params = _params(target="impedance")
     demanded = -30 * params.calibration.force_n_per_count
@@ -293,8 +345,9 @@ def test_plain_and_compiled_agree_in_every_bit_for_all_laws_and_targets():
     joint = (Segment("q1", "sine", 0.0, 1.0, 0.1, frequency_hz=1.0), Segment("q2", "ramp", 0.1, 0.5, 0.1, blend_s=0.2))
     space = (Segment("z", "sine", 0.0, 1.0, 0.05, frequency_hz=1.0), Segment("force", "step", 0.2, amount=50.0))
     moving = 0
-    for law, target in itertools.product(LAWS, TARGETS):
-        params = _params(law=law, target=target)
+    targets = [*((target, "setpoint") for target in TARGETS), ("impedance", "measured")]
+    for law, (target, formulation) in itertools.product(LAWS, targets):
+        params = _params(law=law, target=target, impedance=ImpedanceConfig(formulation=formulation))
         table = segment_table(joint if target == "joint" else space)
         memory, quick, array = control_start(params), control_start(params), np.array(table)
         walk = np.cumsum(rng.integers(-2, 3, (330, 3)), axis=0)

@@ -10,6 +10,8 @@ from annotated_types import Ge, Gt, Le
 
 from services.controller.kinematics import clamp_joints, inverse
 from services.controller.params import (
+    FORMULATION_MEASURED,
+    FORMULATION_SETPOINT,
     FULL_SLEW_CODES,
     LAW_DEADBAND,
     LAW_FINAL,
@@ -18,6 +20,7 @@ from services.controller.params import (
     LAW_PI,
     LAW_VETIA,
     TARGET_CARTESIAN,
+    TARGET_EXPLICIT,
     TARGET_IMPEDANCE,
     TARGET_JOINT,
     TIGHT_SAMPLES,
@@ -41,7 +44,9 @@ LAWS = {
     "vetia": LAW_VETIA,
     "final": LAW_FINAL,
 }
-TARGETS = {"joint": TARGET_JOINT, "cartesian": TARGET_CARTESIAN, "impedance": TARGET_IMPEDANCE}
+TARGETS = {"joint": TARGET_JOINT, "cartesian": TARGET_CARTESIAN, "impedance": TARGET_IMPEDANCE, "explicit": TARGET_EXPLICIT}
+FORMULATIONS = {"setpoint": FORMULATION_SETPOINT, "measured": FORMULATION_MEASURED}
+READS = {"joint": "q1, q2 or q3", "explicit": "force"}  # channels of a target; of every other: x, y, z or force
 JOINT_CHANNELS = CHANNELS[:3]
 
 LONGEST_S = 3600.0  # of a trial; keeps sines inside their domain
@@ -75,6 +80,7 @@ class ImpedanceConfig(NamedTuple):
     damping: Literal["model", "net"] = "net"  # xi, or xi_net of model and environment: xi = xi_net sqrt(1 + k_eff / k)
     environment_n_per_m: Annotated[float, Ge(0), Le(1e9)] = 25e3  # estimate of k_eff, plate and sensor in series
     setpoint_compensation: bool = False  # force set-point times (k + k_eff) / k_eff
+    formulation: Literal["setpoint", "measured"] = "setpoint"  # whose x and x' damper and spring feel; measured: 6.2.2 (b)
 
 
 RecoverCurrent = Annotated[float, Ge(0), Le(200 * A_PER_MA)]  # the valves' currents while a hold-to-run request unloads
@@ -84,7 +90,8 @@ class ControllerConfig(NamedTuple):
     """The [controller] section of an experiment."""
 
     law: Literal["pi", "morse", "deadband", "hysteresis", "vetia", "final"] = "final"
-    target: Literal["joint", "cartesian", "impedance"] = "impedance"
+    target: Literal["joint", "cartesian", "impedance", "explicit"] = "impedance"  # explicit: force control, equivalent (6.2.1)
+    acting: tuple[bool, bool, bool] = (True, True, True)  # links that the law drives; the other valves get no current
     gains: tuple[LinkGains, LinkGains, LinkGains] = UNIMATE_GAINS
     impedance: ImpedanceConfig = ImpedanceConfig()
     slew_codes: Annotated[int, Ge(1), Le(FULL_SLEW_CODES)] = FULL_SLEW_CODES  # per sample
@@ -102,21 +109,35 @@ def impedance_params(config: ImpedanceConfig, force_axis: int, force_sign: float
     k, k_eff = config.stiffness_n_per_m, config.environment_n_per_m
     xi = config.damping_ratio * (math.sqrt(1.0 + k_eff / k) if config.damping == "net" else 1.0)
     gain = (k + k_eff) / k_eff if config.setpoint_compensation else 1.0
-    return ImpedanceParams(float(k), math.sqrt(k / config.mass_kg), float(xi), gain, force_axis, float(force_sign))
+    return ImpedanceParams(
+        float(k),
+        math.sqrt(k / config.mass_kg),
+        float(xi),
+        gain,
+        force_axis,
+        float(force_sign),
+        float(k_eff),
+        FORMULATIONS[config.formulation],
+    )
 
 
-def as_floats(gains: LinkGains) -> LinkGains:
-    """The same gains as floats: a kernel compiled for floats takes no int."""
-    return LinkGains(*(float(gain) for gain in gains))
+def kernel_gains(gains: LinkGains, target: str) -> LinkGains:
+    """The gains as floats, as a compiled kernel takes them; explicit force control knows no error dead zone.
+
+    The dead zone ignores what an encoder cannot resolve; the program's `equiv_f_cont` has none, as a force has no counts.
+    """
+    floats = LinkGains(*(float(gain) for gain in gains))
+    return floats._replace(error_dead_zone_rad=0.0) if target == "explicit" else floats
 
 
 def controller_params(config: ControllerConfig, about: About, first_tick: int) -> ControllerParams:
     """Kernel parameters for the machine that `about` describes; the trial begins at the negative `first_tick` (0: none)."""
-    recover = config.recover_current_a
+    recover, acting, gains, target = config.recover_current_a, config.acting, config.gains, config.target
     return ControllerParams(
         law=LAWS[config.law],
-        target=TARGETS[config.target],
-        gains=(as_floats(config.gains[0]), as_floats(config.gains[1]), as_floats(config.gains[2])),
+        target=TARGETS[target],
+        acting=(int(acting[0]), int(acting[1]), int(acting[2])),
+        gains=(kernel_gains(gains[0], target), kernel_gains(gains[1], target), kernel_gains(gains[2], target)),
         impedance=impedance_params(config.impedance, about.force_axis, about.force_sign),
         geometry=UNIMATE_GEOMETRY,
         calibration=calibration(about.encoders, about.force),
@@ -154,18 +175,35 @@ def check(config: ControllerConfig, reference: Reference, q0_rad: Triple, pitch_
     impedance = config.impedance
     if impedance.setpoint_compensation and impedance.environment_n_per_m <= 0.0:
         raise ValueError("controller.impedance: setpoint_compensation needs environment_n_per_m > 0")
+    if config.target == "explicit" and impedance.environment_n_per_m <= 0.0:
+        raise ValueError("controller.impedance: target 'explicit' divides by environment_n_per_m; give k_eff in N/m, > 0")
+    if impedance.formulation == "measured":
+        check_measured(config)
+    if not any(config.acting):
+        raise ValueError("controller.acting: no link acts; let at least one be true")
     if config.tight_slew_codes > config.slew_codes:
         raise ValueError(f"controller: tight_slew_codes {config.tight_slew_codes} exceeds slew_codes {config.slew_codes}")
     for index, segment in enumerate(reference):
+        if segment.channel in JOINT_CHANNELS and not config.acting[JOINT_CHANNELS.index(segment.channel)]:
+            raise ValueError(f"reference segment {index} moves {segment.channel}, which controller.acting holds still")
         check_segment(segment, config.target, f"reference segment {index} ({segment.channel}, {segment.kind})")
     check_travel(config, reference, q0_rad, pitch_rad)
 
 
+def check_measured(config: ControllerConfig) -> None:
+    """Raise ValueError where the alternate formulation has no meaning."""
+    if config.target == "explicit":
+        raise ValueError("controller: target 'explicit' is the equivalent of formulation 'setpoint'; choose that one")
+    if not all(config.acting):
+        raise ValueError(
+            "controller.acting: formulation 'measured' integrates what each axis has not reached: all links must act"
+        )
+
+
 def check_segment(segment: Segment, target: str, name: str) -> None:
     """Raise ValueError for a segment that cannot be followed or that its target does not read."""
-    if (segment.channel in JOINT_CHANNELS) != (target == "joint"):
-        expected = "q1, q2 or q3" if target == "joint" else "x, y, z or force"
-        raise ValueError(f"{name}: target {target!r} reads {expected}")
+    if (segment.channel in JOINT_CHANNELS) != (target == "joint") or (target == "explicit" and segment.channel != "force"):
+        raise ValueError(f"{name}: target {target!r} reads {READS.get(target, 'x, y, z or force')}")
     if segment.kind in ("ramp", "sine") and segment.duration_s <= 0.0:
         raise ValueError(f"{name}: duration_s must be > 0")
     if segment.kind == "ramp" and 2.0 * segment.blend_s > segment.duration_s:

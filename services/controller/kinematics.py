@@ -6,7 +6,7 @@ Appendix A prints z and theta_2 with wrong signs; these are the program's, which
 import math
 
 from shared.kernel import kernel
-from shared.pose import Geometry, Triple, wrist
+from shared.pose import Geometry, Triple, bounded_angle, wrist
 
 CLAMPED_LOW = (1, 4, 16)  # bits of the mask: link 1, 2, 3 at its lower limit
 CLAMPED_HIGH = (2, 8, 32)
@@ -52,3 +52,18 @@ def inverse(geometry: Geometry, x_m: Triple, pitch_rad: float) -> tuple[Triple, 
     r, d = math.sqrt(r_square), math.sqrt(d_square)
     q, clamped = clamp_joints(geometry, (math.atan2(y, x), math.atan2(a * r - d * z, d * r + a * z), d - along_m))
     return q, clamped | unreachable
+
+
+@kernel
+def tip_velocity(geometry: Geometry, q: Triple, pitch_rad: float, qd: Triple) -> Triple:
+    """Velocity of the tip in m/s at joint velocities `qd`: x' = J(q) q'.
+
+    r' = z q2' + cos(q2) q3',  z' = -r q2' - sin(q2) q3'; then turned by q1.
+    """
+    along_m, a = wrist(geometry, pitch_rad)
+    d = q[2] + along_m
+    q1, q2 = bounded_angle(q[0]), bounded_angle(q[1])
+    s1, c1, s2, c2 = math.sin(q1), math.cos(q1), math.sin(q2), math.cos(q2)
+    r, z = d * c2 + a * s2, -d * s2 + a * c2
+    rd = z * qd[1] + c2 * qd[2]
+    return (rd * c1 - r * s1 * qd[0], rd * s1 + r * c1 * qd[0], -r * qd[1] - s2 * qd[2])

@@ -15,7 +15,8 @@ A_PER_COUNT = 1.0 / COUNTS_PER_A  # the program's thresholds are in counts, 2048
 SQUARE_RAD_PER_DEG = RAD_PER_DEG * RAD_PER_DEG
 
 LAW_PI, LAW_MORSE, LAW_DEADBAND, LAW_HYSTERESIS, LAW_VETIA, LAW_FINAL = 0, 1, 2, 3, 4, 5
-TARGET_JOINT, TARGET_CARTESIAN, TARGET_IMPEDANCE = 0, 1, 2
+TARGET_JOINT, TARGET_CARTESIAN, TARGET_IMPEDANCE, TARGET_EXPLICIT = 0, 1, 2, 3
+FORMULATION_SETPOINT, FORMULATION_MEASURED = 0, 1
 
 FULL_SLEW_CODES = MAX_CODE - MIN_CODE  # the thesis limits nothing: full swing in one sample
 TIGHT_SLEW_CODES = 100  # 29 mA, inside the valve's overlap of 36 mA
@@ -88,6 +89,8 @@ class ImpedanceParams(NamedTuple):
     force_gain: float  # set-point compensation (k + k_eff) / k_eff; 1 = none
     force_axis: int  # 0 = x, 2 = z
     force_sign: float  # direction in which the environment pushes the tool along that axis
+    environment_n_per_m: float = 0.0  # k_eff; only the equivalent explicit controller needs it
+    formulation: int = FORMULATION_SETPOINT
 
 
 class ControllerParams(NamedTuple):
@@ -95,6 +98,7 @@ class ControllerParams(NamedTuple):
 
     law: int
     target: int
+    acting: tuple[int, int, int]  # 1 = the link's law drives its valve, 0 = no current
     gains: tuple[LinkGains, LinkGains, LinkGains]
     impedance: ImpedanceParams
     geometry: Geometry

@@ -2,9 +2,11 @@
 
 from typing import NamedTuple
 
+from services.controller.alternate import measured_step
+from services.controller.explicit import ExplicitState, explicit_step
 from services.controller.impedance import ImpedanceState, impedance_step
-from services.controller.kinematics import clamp_joints, inverse
-from services.controller.params import TARGET_IMPEDANCE, TARGET_JOINT, ControllerParams
+from services.controller.kinematics import clamp_joints, inverse, tip_velocity
+from services.controller.params import FORMULATION_MEASURED, TARGET_EXPLICIT, TARGET_IMPEDANCE, TARGET_JOINT, ControllerParams
 from services.controller.reference import Deltas, Table, reference_deltas
 from services.controller.regression import POINTS
 from services.controller.trial import Trial
@@ -15,6 +17,16 @@ from shared.pose import Triple, forward
 READY_COUNTS = 2.0 + 1e-6  # the reference may start two counts from the pose; the rest is rounding
 
 
+class Seen(NamedTuple):
+    """What the set-points answer to."""
+
+    q_rad: Triple
+    qd_rad_per_s: Triple  # by regression, of the sample before, as in the program
+    x_m: Triple
+    force_n: float  # mean of three
+    force_set_n: float  # mean of three, with its compensation
+
+
 class Demand(NamedTuple):
     """Set-points of one sample."""
 
@@ -22,6 +34,7 @@ class Demand(NamedTuple):
     x_m: Triple
     nominal_m: Triple
     impedance: ImpedanceState
+    explicit: ExplicitState
     clamped: int
 
 
@@ -42,21 +55,39 @@ def nominal_joints(params: ControllerParams, trial: Trial, deltas: Deltas, pitch
 def demand(
     params: ControllerParams,
     impedance: ImpedanceState,
+    explicit: ExplicitState,
     trial: Trial,
     deltas: Deltas,
     pitch_rad: float,
-    force_error_n: float,
+    seen: Seen,
     dt_s: float,
 ) -> Demand:
     """Set-points while the law runs: reference, target impedance, inverse kinematics (thesis 5.1.3, steps 1 to 3)."""
-    if params.target != TARGET_IMPEDANCE:
+    if params.target not in (TARGET_IMPEDANCE, TARGET_EXPLICIT):
         q, x, clamped = nominal_joints(params, trial, deltas, pitch_rad)
-        return Demand(q, x, x, impedance, clamped)
-    x0 = trial.x_start_m
+        return Demand(q, x, x, impedance, explicit, clamped)
+    x0, target = trial.x_start_m, params.impedance
     nominal = (x0[0] + deltas[3], x0[1] + deltas[4], x0[2] + deltas[5])
-    impedance, x = impedance_step(impedance, params.impedance, nominal, force_error_n, dt_s)
+    if params.target == TARGET_EXPLICIT:
+        explicit, way_m = explicit_step(explicit, target, seen.force_n, seen.force_set_n, dt_s)
+        x = along_axis(seen.x_m, target.force_axis, way_m)
+    elif target.formulation == FORMULATION_MEASURED:
+        v = tip_velocity(params.geometry, seen.q_rad, pitch_rad, seen.qd_rad_per_s)
+        impedance, x = measured_step(impedance, target, nominal, seen.x_m, v, seen.force_n - seen.force_set_n, dt_s)
+    else:
+        impedance, x = impedance_step(impedance, target, nominal, seen.force_n - seen.force_set_n, dt_s)
     q, clamped = inverse(params.geometry, x, pitch_rad)
-    return Demand(q, x, nominal, impedance, clamped)
+    return Demand(q, x, nominal, impedance, explicit, clamped)
+
+
+@kernel
+def along_axis(x: Triple, axis: int, way_m: float) -> Triple:
+    """`x` moved by `way_m` along one axis; the inverse kinematics of it are J^-1 of thesis 6.2.1."""
+    return (
+        x[0] + way_m if axis == 0 else x[0],
+        x[1] + way_m if axis == 1 else x[1],
+        x[2] + way_m if axis == 2 else x[2],
+    )
 
 
 @kernel

@@ -7,12 +7,13 @@ The law runs at tick 0, whose sample cannot yet report the gate that this very a
 import math
 from typing import NamedTuple
 
+from services.controller.explicit import FILTERS_AT_REST, ExplicitState
 from services.controller.impedance import ImpedanceState, mean_of_three, rest
 from services.controller.laws import AT_REST, LinkLawState, law_step
-from services.controller.params import ControllerParams
+from services.controller.params import ControllerParams, LinkGains
 from services.controller.reference import Table, reference_deltas
 from services.controller.regression import Window, filled_window, push, velocities
-from services.controller.setpoint import Demand, demand, judge_ready, nominal_joints
+from services.controller.setpoint import Demand, Seen, demand, judge_ready, nominal_joints
 from services.controller.trial import Trial, advance, follows, runs
 from shared.converters import ZERO_CODE, current_to_code
 from shared.kernel import kernel
@@ -37,6 +38,8 @@ class ControlMemory(NamedTuple):
     force_counts: tuple[int, int]  # last, before last
     force_set_n: tuple[float, float]
     impedance: ImpedanceState
+    explicit: ExplicitState
+    qd_rad_per_s: Triple  # at the last sample
     laws: Laws
     ready: int  # judged while tracking, kept while the law runs
 
@@ -63,7 +66,7 @@ def control_start(params: ControllerParams) -> ControlMemory:
     origin = (0.0, 0.0, 0.0)
     trial = Trial(-1, NO_TRIAL, 0, False, False, 0, origin, origin, 0, 0)
     window = filled_window(0, origin, params.sample_period_ns)
-    return ControlMemory(trial, window, (0, 0), (0.0, 0.0), rest(origin, origin), LAWS_AT_REST, 0)
+    return ControlMemory(trial, window, (0, 0), (0.0, 0.0), rest(origin, origin), FILTERS_AT_REST, origin, LAWS_AT_REST, 0)
 
 
 @kernel
@@ -75,7 +78,8 @@ def begin(memory: ControlMemory, params: ControllerParams, sample: Sample, q: Tr
     trial = Trial(sample.number, sample.tick, sample.time_ns, first, first, 0, q, x, 0, 0)
     window = filled_window(sample.time_ns - params.sample_period_ns, q, params.sample_period_ns)
     counts = (sample.force_counts, sample.force_counts)
-    return ControlMemory(trial, window, counts, (0.0, 0.0), rest(x, x), LAWS_AT_REST, 0)
+    still = (0.0, 0.0, 0.0)
+    return ControlMemory(trial, window, counts, (0.0, 0.0), rest(x, x), FILTERS_AT_REST, still, LAWS_AT_REST, 0)
 
 
 @kernel
@@ -117,14 +121,24 @@ def shaped_codes(params: ControllerParams, current_a: Triple, sample: Sample) ->
 
 
 @kernel
+def link_step(
+    acting: int, state: LinkLawState, gains: LinkGains, law: int, q: float, q_set: float, qd: float, qd_set: float, dt_s: float
+) -> tuple[LinkLawState, float, int]:
+    """Answer of one link's law; of a link that does not act: no current, nothing integrated."""
+    if acting == 0:
+        return AT_REST, 0.0, 0
+    return law_step(state, gains, law, q, q_set, qd, qd_set, dt_s)
+
+
+@kernel
 def apply_laws(
     params: ControllerParams, laws: Laws, sample: Sample, q: Triple, q_set: Triple, qd: Triple, qd_set: Triple, dt_s: float
 ) -> Actuation:
     """Answer of the three links' position laws."""
-    gains, law = params.gains, params.law
-    law_1, u_1, boosted_1 = law_step(laws[0], gains[0], law, q[0], q_set[0], qd[0], qd_set[0], dt_s)
-    law_2, u_2, boosted_2 = law_step(laws[1], gains[1], law, q[1], q_set[1], qd[1], qd_set[1], dt_s)
-    law_3, u_3, boosted_3 = law_step(laws[2], gains[2], law, q[2], q_set[2], qd[2], qd_set[2], dt_s)
+    gains, law, on = params.gains, params.law, params.acting
+    law_1, u_1, boosted_1 = link_step(on[0], laws[0], gains[0], law, q[0], q_set[0], qd[0], qd_set[0], dt_s)
+    law_2, u_2, boosted_2 = link_step(on[1], laws[1], gains[1], law, q[1], q_set[1], qd[1], qd_set[1], dt_s)
+    law_3, u_3, boosted_3 = link_step(on[2], laws[2], gains[2], law, q[2], q_set[2], qd[2], qd_set[2], dt_s)
     current_a = (u_1, u_2, u_3)
     return Actuation((law_1, law_2, law_3), current_a, (boosted_1, boosted_2, boosted_3), shaped_codes(params, current_a, sample))
 
@@ -155,11 +169,11 @@ def control_step(
     ready = memory.ready
     if running:
         force_set_n = mean_of_three(deltas[6], memory.force_set_n[0], memory.force_set_n[1])
-        error_n = force.mean_n - params.impedance.force_gain * force_set_n
-        wanted = demand(params, memory.impedance, trial, deltas, pitch_rad, error_n, dt_s)
+        seen = Seen(q, memory.qd_rad_per_s, x, force.mean_n, params.impedance.force_gain * force_set_n)
+        wanted = demand(params, memory.impedance, memory.explicit, trial, deltas, pitch_rad, seen, dt_s)
     else:
         _, nominal, _ = nominal_joints(params, trial, deltas, pitch_rad)
-        wanted = Demand(q, x, nominal, rest(x, nominal), 0)
+        wanted = Demand(q, x, nominal, rest(x, nominal), FILTERS_AT_REST, 0)
         ready = judge_ready(params, trial, table, q, pitch_rad)
     window = push(memory.window, sample.time_ns, q, wanted.q_rad)
     qd, qd_set = velocities(window)
@@ -187,5 +201,5 @@ def control_step(
     )
     force_counts = (sample.force_counts, memory.force_counts[0])
     force_sets_n = (deltas[6], memory.force_set_n[0])
-    memory = ControlMemory(trial, window, force_counts, force_sets_n, wanted.impedance, made.laws, ready)
+    memory = ControlMemory(trial, window, force_counts, force_sets_n, wanted.impedance, wanted.explicit, qd, made.laws, ready)
     return memory, made.codes, thought
