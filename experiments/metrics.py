@@ -40,7 +40,7 @@ from experiments.tracking import (
     steady_error_counts,
     upward_error_ratio,
 )
-from experiments.valves import braking_control_ratio, control_peak, control_reversals, control_rms, control_swings
+from experiments.valves import braking_control_ratio, control_noise, control_peak, control_reversals, control_rms, control_swings
 
 MetricName = Literal[
     "rms_error",
@@ -75,6 +75,7 @@ MetricName = Literal[
     "control_swings",
     "control_rms",
     "control_peak",
+    "control_noise",
     "braking_control_ratio",
     "upward_error_ratio",
 ]
@@ -123,6 +124,7 @@ METRICS: dict[MetricName, Metric] = {
     "control_swings": Metric(control_swings, "number", LINKS),
     "control_rms": Metric(control_rms, "current", LINKS),
     "control_peak": Metric(control_peak, "current", LINKS),
+    "control_noise": Metric(control_noise, "current", LINKS),
     "braking_control_ratio": Metric(braking_control_ratio, "number", LINKS),
     "upward_error_ratio": Metric(upward_error_ratio, "number", _FORCE),
 }

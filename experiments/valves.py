@@ -29,6 +29,11 @@ def control_peak(trace: Trace, channel: ChannelName) -> float:
     return float(np.max(np.abs(control(trace, channel))))
 
 
+def control_noise(trace: Trace, channel: ChannelName) -> float:
+    """Root mean square change of a link's valve current from one sample to the next."""
+    return rms(np.diff(control(trace, channel)))
+
+
 def braking_control_ratio(trace: Trace, channel: ChannelName) -> float:
     """rms valve current while the set-point of a link slows down over that while it speeds up."""
     speed = trace.qd_set_rad_per_s[:, LINKS.index(channel)]

@@ -203,6 +203,13 @@ def test_control_levels_are_those_of_a_sine():
     assert metrics.control_peak(trace, "q2") == pytest.approx(0.2, rel=1e-4)
 
 
+def test_a_control_that_jumps_by_a_step_at_every_sample_is_as_noisy_as_the_step():
+    trace = standing(1.0)
+    jumps = 0.01 * (np.arange(len(trace.t_s)) % 2)
+    assert metrics.control_noise(trace._replace(current_a=link(jumps, 2)), "q2") == pytest.approx(0.01)
+    assert metrics.control_noise(trace._replace(current_a=link(jumps * 0.0 + 0.3, 2)), "q2") == 0.0
+
+
 @pytest.mark.parametrize("braking_share", [0.5, 1.0, 2.0])
 def test_a_scalloped_control_is_weaker_while_the_set_point_brakes(braking_share):
     trace = sine(9.0)
