@@ -8,6 +8,7 @@ from collections.abc import Callable
 from typing import Literal, NamedTuple
 
 from experiments.contact import contacts, departure, spikes
+from experiments.cycles import cycle_amplitude, cycle_onset_s, cycle_period_s, cycles, pause_ratio, yielding_share
 from experiments.motion import (
     final_change,
     first_delay_s,
@@ -78,6 +79,12 @@ MetricName = Literal[
     "control_noise",
     "braking_control_ratio",
     "upward_error_ratio",
+    "cycles",
+    "cycle_amplitude",
+    "cycle_period_s",
+    "cycle_onset_s",
+    "pause_ratio",
+    "yielding_share",
 ]
 Dimension = Literal["channel", "angle", "length", "force", "time", "current", "number", "rate", "stiffness", "speed"]
 
@@ -91,6 +98,7 @@ class Metric(NamedTuple):
 
 
 _FORCE: tuple[ChannelName, ...] = ("force",)
+_POSITIONS: tuple[ChannelName, ...] = (*LINKS, *AXES)
 METRICS: dict[MetricName, Metric] = {
     "rms_error": Metric(rms_error, "channel", CHANNELS),
     "max_error": Metric(max_error, "channel", CHANNELS),
@@ -127,4 +135,10 @@ METRICS: dict[MetricName, Metric] = {
     "control_noise": Metric(control_noise, "current", LINKS),
     "braking_control_ratio": Metric(braking_control_ratio, "number", LINKS),
     "upward_error_ratio": Metric(upward_error_ratio, "number", _FORCE),
+    "cycles": Metric(cycles, "number", _POSITIONS),
+    "cycle_amplitude": Metric(cycle_amplitude, "channel", _POSITIONS),
+    "cycle_period_s": Metric(cycle_period_s, "time", _POSITIONS),
+    "cycle_onset_s": Metric(cycle_onset_s, "time", _POSITIONS),
+    "pause_ratio": Metric(pause_ratio, "number", _POSITIONS),
+    "yielding_share": Metric(yielding_share, "number", _POSITIONS),
 }
