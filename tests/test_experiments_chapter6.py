@@ -46,3 +46,10 @@ def test_the_formulations_differ_in_nothing_else():
     assert alternate.plant == proposed.plant
     assert alternate.controller.impedance._replace(formulation="setpoint") == proposed.controller.impedance
     assert alternate.controller.impedance.stiffness_n_per_m > 2.0 * K_EFF
+
+
+def test_in_free_space_nothing_touches_and_nothing_is_asked():
+    standing, touching = find("alternate-free-space"), find("alternate-k500")
+    assert standing.plant.environment.kind == "free"
+    assert standing.reference == ()
+    assert standing.controller == touching.controller
