@@ -4,6 +4,7 @@ import pytest
 from pydantic import TypeAdapter, ValidationError
 
 from services.controller.config import (
+    AdaptationConfig,
     ControllerConfig,
     ImpedanceConfig,
     Segment,
@@ -72,16 +73,41 @@ def test_compensation_makes_the_steady_force_the_set_point():
     assert impedance_params(ImpedanceConfig(), 2, 1.0).force_gain == 1.0
 
 
+def test_the_mean_of_three_has_no_cutoff_and_only_the_bounded_filter_knows_the_noise():
+    mean, low_pass, bounded = (
+        controller_params(ControllerConfig(impedance=ImpedanceConfig(force_filter=kind, force_cutoff_hz=2)), ABOUT, -444)
+        for kind in ("mean", "butterworth", "bounded")
+    )
+    assert (mean.force_cutoff_rad_per_s, low_pass.force_cutoff_rad_per_s) == (0.0, 4.0 * math.pi)
+    assert (low_pass.force_noise_n, bounded.force_noise_n) == (math.inf, 10.0)
+
+
+def test_an_onset_on_the_ceiling_leaves_no_room_to_give_way():
+    with pytest.raises(ValueError, match="onset_n 100 N must lie below ceiling_n 100 N"):
+        check(ControllerConfig(adaptation=AdaptationConfig("offset", 100.0, 100.0)), (), POSE)
+    check(ControllerConfig(adaptation=AdaptationConfig("offset", 99.0, 100.0)), (), POSE)
+    check(ControllerConfig(adaptation=AdaptationConfig("none", 100.0, 100.0)), (), POSE)
+
+
+def test_an_adaptation_of_a_target_that_it_does_not_reach_is_refused():
+    for config in (JOINT, ControllerConfig(impedance=ImpedanceConfig(formulation="measured"))):
+        with pytest.raises(ValueError, match="'offset' adapts target 'impedance', formulation 'setpoint' only"):
+            check(config._replace(adaptation=AdaptationConfig("offset")), (), POSE)
+
+
 def test_kernel_parameters_hold_floats_even_where_ints_were_written():
     config = ControllerConfig(
         gains=(UNIMATE_GAINS[0]._replace(kp_a_per_rad=5), *UNIMATE_GAINS[1:]),
         impedance=ImpedanceConfig(mass_kg=1, stiffness_n_per_m=4, damping_ratio=1),
         recover_current_a=(0, 0, 0),
+        adaptation=AdaptationConfig("stiffness", 20, 100, 20, 1, 100, 2),
     )
     params = controller_params(config, ABOUT, -444)
     assert all(type(value) is float for gains in params.gains for value in gains)
     assert [type(value) for value in params.impedance] == [float, float, float, float, int, float, float, int]
     assert all(type(value) is float for value in params.recover_current_a)
+    assert all(type(value) is float for value in params.adaptation[1:])
+    assert type(params.force_noise_n) is float
     assert (params.impedance.natural_frequency_rad_per_s, params.first_tick) == (2.0, -444)
 
 

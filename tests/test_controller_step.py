@@ -4,7 +4,16 @@ import math
 import numpy as np
 import pytest
 
-from services.controller.config import LAWS, TARGETS, ControllerConfig, ImpedanceConfig, Segment, controller_params, segment_table
+from services.controller.config import (
+    LAWS,
+    TARGETS,
+    AdaptationConfig,
+    ControllerConfig,
+    ImpedanceConfig,
+    Segment,
+    controller_params,
+    segment_table,
+)
 from services.controller.explicit import FILTERS_AT_REST
 from services.controller.step import STOPPED, control_start, control_step, slewed_code
 from shared.converters import (
@@ -300,6 +309,25 @@ def test_measured_and_demanded_force_pass_the_same_filter():
     assert rise[0] > 0.0
 
 
+def test_a_low_pass_is_settled_before_the_trial_begins_and_knows_the_bias():
+    params = _params(target="impedance", impedance=ImpedanceConfig(force_filter="butterworth", force_cutoff_hz=1.0))
+    _, out = _run(params, (), [*_bias_phase(), *(_sample(t) for t in range(9))])
+    assert all(thought.force_mean_n == 0.0 and thought.x_set_m == thought.x_nominal_m for _, thought in out[-9:])
+    _, out = _run(params, (), [*_bias_phase(), *(_sample(t, force=60) for t in range(600))])
+    push_n = 30 * params.calibration.force_n_per_count
+    assert out[len(_bias_phase())][1].force_mean_n < 0.01 * push_n
+    assert out[-1][1].force_mean_n == pytest.approx(push_n, rel=1e-4)
+    assert out[-1][1].force_n == pytest.approx(push_n)
+
+
+def test_after_a_cut_an_adaptation_starts_from_nothing():
+    params = _params(target="impedance", adaptation=AdaptationConfig("offset"))
+    memory, _ = _run(params, (), [*_bias_phase(), *(_sample(t, force=90) for t in range(50))])
+    assert memory.impedance.relief > 0.0
+    memory, _ = _run(params, (), [_sample(50, gate=BURNED)], memory)
+    assert memory.impedance.relief == 0.0
+
+
 def test_compensation_scales_what_the_model_feels_and_not_what_is_reported():
     impedance = ImpedanceConfig(damping_ratio=1.0, environment_n_per_m=6.2e3, setpoint_compensation=True)
     params = _params(target="impedance", impedance=impedance)
@@ -340,15 +368,20 @@ def test_the_final_law_brings_links_with_a_dead_valve_to_the_set_point():
         assert abs(thought.q_rad[i] - thought.q_set_rad[i]) <= 1.01 * params.gains[i].error_dead_zone_rad
 
 
-def test_plain_and_compiled_agree_in_every_bit_for_all_laws_and_targets():
+def test_plain_and_compiled_agree_in_every_bit_for_all_laws_targets_filters_and_adaptations():
     fast, rng = compiled(control_step), np.random.default_rng(11)
     joint = (Segment("q1", "sine", 0.0, 1.0, 0.1, frequency_hz=1.0), Segment("q2", "ramp", 0.1, 0.5, 0.1, blend_s=0.2))
     space = (Segment("z", "sine", 0.0, 1.0, 0.05, frequency_hz=1.0), Segment("force", "step", 0.2, amount=50.0))
     moving = 0
-    targets = [*((target, "setpoint") for target in TARGETS), ("impedance", "measured")]
-    for law, (target, formulation) in itertools.product(LAWS, targets):
-        params = _params(law=law, target=target, impedance=ImpedanceConfig(formulation=formulation))
-        table = segment_table(joint if target == "joint" else space)
+    settings = [{"law": law, "target": target} for law, target in itertools.product(LAWS, TARGETS)]
+    settings += [{"law": law, "impedance": ImpedanceConfig(formulation="measured")} for law in LAWS]
+    settings += [
+        {"impedance": ImpedanceConfig(force_filter=name, force_cutoff_hz=2.0), "adaptation": AdaptationConfig(kind, onset_n=5.0)}
+        for name, kind in (("butterworth", "stiffness"), ("bounded", "offset"), ("bounded", "limit_switch"))
+    ]
+    for setting in settings:
+        params = _params(**setting)
+        table = segment_table(joint if setting.get("target") == "joint" else space)
         memory, quick, array = control_start(params), control_start(params), np.array(table)
         walk = np.cumsum(rng.integers(-2, 3, (330, 3)), axis=0)
         dac = STOPPED

@@ -10,6 +10,10 @@ from annotated_types import Ge, Gt, Le
 
 from services.controller.kinematics import clamp_joints, inverse
 from services.controller.params import (
+    ADAPT_LIMIT_SWITCH,
+    ADAPT_NONE,
+    ADAPT_OFFSET,
+    ADAPT_STIFFNESS,
     FORMULATION_MEASURED,
     FORMULATION_SETPOINT,
     FULL_SLEW_CODES,
@@ -26,6 +30,7 @@ from services.controller.params import (
     TIGHT_SAMPLES,
     TIGHT_SLEW_CODES,
     UNIMATE_GAINS,
+    AdaptationParams,
     ControllerParams,
     ImpedanceParams,
     LinkGains,
@@ -46,6 +51,12 @@ LAWS = {
 }
 TARGETS = {"joint": TARGET_JOINT, "cartesian": TARGET_CARTESIAN, "impedance": TARGET_IMPEDANCE, "explicit": TARGET_EXPLICIT}
 FORMULATIONS = {"setpoint": FORMULATION_SETPOINT, "measured": FORMULATION_MEASURED}
+ADAPTATIONS = {
+    "none": ADAPT_NONE,
+    "stiffness": ADAPT_STIFFNESS,
+    "offset": ADAPT_OFFSET,
+    "limit_switch": ADAPT_LIMIT_SWITCH,
+}
 READS = {"joint": "q1, q2 or q3", "explicit": "force"}  # channels of a target; of every other: x, y, z or force
 JOINT_CHANNELS = CHANNELS[:3]
 
@@ -81,6 +92,21 @@ class ImpedanceConfig(NamedTuple):
     environment_n_per_m: Annotated[float, Ge(0), Le(1e9)] = 25e3  # estimate of k_eff, plate and sensor in series
     setpoint_compensation: bool = False  # force set-point times (k + k_eff) / k_eff
     formulation: Literal["setpoint", "measured"] = "setpoint"  # whose x and x' damper and spring feel; measured: 6.2.2 (b)
+    force_filter: Literal["mean", "butterworth", "bounded"] = "mean"  # of the gauge; bounded: within the noise of the reading
+    force_cutoff_hz: Annotated[float, Gt(0), Le(100)] = 0.7  # butterworth, bounded: -3 dB
+    force_noise_n: Annotated[float, Gt(0), Le(1e3)] = 10.0  # bounded: the gauge's noise (5.1.2)
+
+
+class AdaptationConfig(NamedTuple):
+    """How the target impedance gives way as the contact force nears a ceiling (thesis 9.3.4); what each means: adaptation.py."""
+
+    kind: Literal["none", "stiffness", "offset", "limit_switch"] = "none"
+    onset_n: Annotated[float, Ge(0), Le(1e4)] = 20.0  # up to it the target is left alone: twice the noise is contact for certain
+    ceiling_n: Annotated[float, Gt(0), Le(1e4)] = 100.0  # contact force at which the gains below act in full
+    melting_per_s: Annotated[float, Ge(0), Le(1e3)] = 20.0  # stiffness: relative rate of its fall
+    retreat_m_per_s: Annotated[float, Ge(0), Le(10)] = 0.2  # offset: speed of the set-point away from the surface
+    stop_n: Annotated[float, Ge(0), Le(1e4)] = 100.0  # limit switch: push of the stop
+    release_s: Annotated[float, Gt(0), Le(1e3)] = 2.0  # stiffness, offset: time constant of their return
 
 
 RecoverCurrent = Annotated[float, Ge(0), Le(200 * A_PER_MA)]  # the valves' currents while a hold-to-run request unloads
@@ -94,6 +120,7 @@ class ControllerConfig(NamedTuple):
     acting: tuple[bool, bool, bool] = (True, True, True)  # links that the law drives; the other valves get no current
     gains: tuple[LinkGains, LinkGains, LinkGains] = UNIMATE_GAINS
     impedance: ImpedanceConfig = ImpedanceConfig()
+    adaptation: AdaptationConfig = AdaptationConfig()
     slew_codes: Annotated[int, Ge(1), Le(FULL_SLEW_CODES)] = FULL_SLEW_CODES  # per sample
     tight_slew_codes: Annotated[int, Ge(1), Le(FULL_SLEW_CODES)] = TIGHT_SLEW_CODES  # just after the gate opens
     tight_samples: Annotated[int, Ge(0), Le(1000)] = TIGHT_SAMPLES
@@ -130,6 +157,17 @@ def kernel_gains(gains: LinkGains, target: str) -> LinkGains:
     return floats._replace(error_dead_zone_rad=0.0) if target == "explicit" else floats
 
 
+def force_cutoff_rad_per_s(config: ImpedanceConfig) -> float:
+    """Cutoff of the low-pass on the gauge; 0 leaves it to the mean of three."""
+    return 0.0 if config.force_filter == "mean" else 2.0 * math.pi * config.force_cutoff_hz
+
+
+def adaptation_params(config: AdaptationConfig) -> AdaptationParams:
+    """The same numbers for the kernels."""
+    kind, *numbers = config
+    return AdaptationParams(ADAPTATIONS[kind], *(float(number) for number in numbers))
+
+
 def controller_params(config: ControllerConfig, about: About, first_tick: int) -> ControllerParams:
     """Kernel parameters for the machine that `about` describes; the trial begins at the negative `first_tick` (0: none)."""
     recover, acting, gains, target = config.recover_current_a, config.acting, config.gains, config.target
@@ -139,6 +177,9 @@ def controller_params(config: ControllerConfig, about: About, first_tick: int) -
         acting=(int(acting[0]), int(acting[1]), int(acting[2])),
         gains=(kernel_gains(gains[0], target), kernel_gains(gains[1], target), kernel_gains(gains[2], target)),
         impedance=impedance_params(config.impedance, about.force_axis, about.force_sign),
+        force_cutoff_rad_per_s=force_cutoff_rad_per_s(config.impedance),
+        force_noise_n=float(config.impedance.force_noise_n) if config.impedance.force_filter == "bounded" else math.inf,
+        adaptation=adaptation_params(config.adaptation),
         geometry=UNIMATE_GEOMETRY,
         calibration=calibration(about.encoders, about.force),
         sample_period_ns=about.sample_period_ns,
@@ -181,6 +222,7 @@ def check(config: ControllerConfig, reference: Reference, q0_rad: Triple, pitch_
         check_measured(config)
     if not any(config.acting):
         raise ValueError("controller.acting: no link acts; let at least one be true")
+    check_adaptation(config)
     if config.tight_slew_codes > config.slew_codes:
         raise ValueError(f"controller: tight_slew_codes {config.tight_slew_codes} exceeds slew_codes {config.slew_codes}")
     for index, segment in enumerate(reference):
@@ -198,6 +240,18 @@ def check_measured(config: ControllerConfig) -> None:
         raise ValueError(
             "controller.acting: formulation 'measured' integrates what each axis has not reached: all links must act"
         )
+
+
+def check_adaptation(config: ControllerConfig) -> None:
+    """Raise ValueError for an adaptation without room between onset and ceiling, or of a target that has nothing to adapt."""
+    adaptation = config.adaptation
+    if adaptation.kind == "none":
+        return
+    if config.target != "impedance" or config.impedance.formulation != "setpoint":
+        raise ValueError(f"controller.adaptation: {adaptation.kind!r} adapts target 'impedance', formulation 'setpoint' only")
+    if not adaptation.onset_n < adaptation.ceiling_n:
+        wanted = f"onset_n {adaptation.onset_n:g} N must lie below ceiling_n {adaptation.ceiling_n:g} N"
+        raise ValueError(f"controller.adaptation: {wanted}")
 
 
 def check_segment(segment: Segment, target: str, name: str) -> None:

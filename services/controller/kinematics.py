@@ -67,3 +67,13 @@ def tip_velocity(geometry: Geometry, q: Triple, pitch_rad: float, qd: Triple) ->
     r, z = d * c2 + a * s2, -d * s2 + a * c2
     rd = z * qd[1] + c2 * qd[2]
     return (rd * c1 - r * s1 * qd[0], rd * s1 + r * c1 * qd[0], -r * qd[1] - s2 * qd[2])
+
+
+@kernel
+def along_axis(x: Triple, axis: int, way_m: float) -> Triple:
+    """`x` moved by `way_m` along one axis."""
+    return (
+        x[0] + way_m if axis == 0 else x[0],
+        x[1] + way_m if axis == 1 else x[1],
+        x[2] + way_m if axis == 2 else x[2],
+    )

@@ -17,6 +17,7 @@ SQUARE_RAD_PER_DEG = RAD_PER_DEG * RAD_PER_DEG
 LAW_PI, LAW_MORSE, LAW_DEADBAND, LAW_HYSTERESIS, LAW_VETIA, LAW_FINAL = 0, 1, 2, 3, 4, 5
 TARGET_JOINT, TARGET_CARTESIAN, TARGET_IMPEDANCE, TARGET_EXPLICIT = 0, 1, 2, 3
 FORMULATION_SETPOINT, FORMULATION_MEASURED = 0, 1
+ADAPT_NONE, ADAPT_STIFFNESS, ADAPT_OFFSET, ADAPT_LIMIT_SWITCH = 0, 1, 2, 3
 
 FULL_SLEW_CODES = MAX_CODE - MIN_CODE  # the thesis limits nothing: full swing in one sample
 TIGHT_SLEW_CODES = 100  # 29 mA, inside the valve's overlap of 36 mA
@@ -93,6 +94,18 @@ class ImpedanceParams(NamedTuple):
     formulation: int = FORMULATION_SETPOINT
 
 
+class AdaptationParams(NamedTuple):
+    """How the target gives way between an onset and a ceiling of the contact force."""
+
+    kind: int
+    onset_n: float
+    ceiling_n: float
+    melting_per_s: float  # relative rate at which the stiffness falls at the ceiling
+    retreat_m_per_s: float  # speed at which the set-point leaves the surface at the ceiling
+    stop_n: float  # push of the stop at the ceiling
+    release_s: float  # time constant of the return below the onset
+
+
 class ControllerParams(NamedTuple):
     """Everything that the controller's kernels need beside the reference."""
 
@@ -101,6 +114,9 @@ class ControllerParams(NamedTuple):
     acting: tuple[int, int, int]  # 1 = the link's law drives its valve, 0 = no current
     gains: tuple[LinkGains, LinkGains, LinkGains]
     impedance: ImpedanceParams
+    force_cutoff_rad_per_s: float  # of the low-pass on the gauge; 0 = mean of three samples
+    force_noise_n: float  # how far the low-pass may be off the reading
+    adaptation: AdaptationParams
     geometry: Geometry
     calibration: Calibration
     sample_period_ns: int  # nominal; only fills the regression before the first samples

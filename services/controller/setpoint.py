@@ -2,10 +2,11 @@
 
 from typing import NamedTuple
 
+from services.controller.adaptation import adapted_step
 from services.controller.alternate import measured_step
 from services.controller.explicit import ExplicitState, explicit_step
-from services.controller.impedance import ImpedanceState, impedance_step
-from services.controller.kinematics import clamp_joints, inverse, tip_velocity
+from services.controller.impedance import ImpedanceState
+from services.controller.kinematics import along_axis, clamp_joints, inverse, tip_velocity
 from services.controller.params import FORMULATION_MEASURED, TARGET_EXPLICIT, TARGET_IMPEDANCE, TARGET_JOINT, ControllerParams
 from services.controller.reference import Deltas, Table, reference_deltas
 from services.controller.regression import POINTS
@@ -23,7 +24,7 @@ class Seen(NamedTuple):
     q_rad: Triple
     qd_rad_per_s: Triple  # by regression, of the sample before, as in the program
     x_m: Triple
-    force_n: float  # mean of three
+    force_n: float  # mean of three, or low-passed
     force_set_n: float  # mean of three, with its compensation
 
 
@@ -75,19 +76,10 @@ def demand(
         v = tip_velocity(params.geometry, seen.q_rad, pitch_rad, seen.qd_rad_per_s)
         impedance, x = measured_step(impedance, target, nominal, seen.x_m, v, seen.force_n - seen.force_set_n, dt_s)
     else:
-        impedance, x = impedance_step(impedance, target, nominal, seen.force_n - seen.force_set_n, dt_s)
+        error_n = seen.force_n - seen.force_set_n
+        impedance, x = adapted_step(impedance, target, params.adaptation, nominal, seen.force_n, error_n, dt_s)
     q, clamped = inverse(params.geometry, x, pitch_rad)
     return Demand(q, x, nominal, impedance, explicit, clamped)
-
-
-@kernel
-def along_axis(x: Triple, axis: int, way_m: float) -> Triple:
-    """`x` moved by `way_m` along one axis; the inverse kinematics of it are J^-1 of thesis 6.2.1."""
-    return (
-        x[0] + way_m if axis == 0 else x[0],
-        x[1] + way_m if axis == 1 else x[1],
-        x[2] + way_m if axis == 2 else x[2],
-    )
 
 
 @kernel

@@ -8,6 +8,7 @@ import math
 from typing import NamedTuple
 
 from services.controller.explicit import FILTERS_AT_REST, ExplicitState
+from services.controller.filtering import Filtered, filter_step
 from services.controller.impedance import ImpedanceState, mean_of_three, rest
 from services.controller.laws import AT_REST, LinkLawState, law_step
 from services.controller.params import ControllerParams, LinkGains
@@ -36,6 +37,7 @@ class ControlMemory(NamedTuple):
     trial: Trial
     window: Window
     force_counts: tuple[int, int]  # last, before last
+    filtered: Filtered  # the gauge before its bias is taken off
     force_set_n: tuple[float, float]
     impedance: ImpedanceState
     explicit: ExplicitState
@@ -48,7 +50,7 @@ class Force(NamedTuple):
     """The gauge at one sample, in N."""
 
     tared_n: float
-    mean_n: float  # tared, over three samples: what the target model feels
+    mean_n: float  # tared, over three samples or low-passed: what the target model feels
     bias_n: float
 
 
@@ -66,7 +68,8 @@ def control_start(params: ControllerParams) -> ControlMemory:
     origin = (0.0, 0.0, 0.0)
     trial = Trial(-1, NO_TRIAL, 0, False, False, 0, origin, origin, 0, 0)
     window = filled_window(0, origin, params.sample_period_ns)
-    return ControlMemory(trial, window, (0, 0), (0.0, 0.0), rest(origin, origin), FILTERS_AT_REST, origin, LAWS_AT_REST, 0)
+    start, still = rest(origin, origin), Filtered(0.0, 0.0)
+    return ControlMemory(trial, window, (0, 0), still, (0.0, 0.0), start, FILTERS_AT_REST, origin, LAWS_AT_REST, 0)
 
 
 @kernel
@@ -78,18 +81,20 @@ def begin(memory: ControlMemory, params: ControllerParams, sample: Sample, q: Tr
     trial = Trial(sample.number, sample.tick, sample.time_ns, first, first, 0, q, x, 0, 0)
     window = filled_window(sample.time_ns - params.sample_period_ns, q, params.sample_period_ns)
     counts = (sample.force_counts, sample.force_counts)
-    still = (0.0, 0.0, 0.0)
-    return ControlMemory(trial, window, counts, (0.0, 0.0), rest(x, x), FILTERS_AT_REST, still, LAWS_AT_REST, 0)
+    filtered, still = Filtered(params.calibration.force_n_per_count * sample.force_counts, 0.0), (0.0, 0.0, 0.0)
+    return ControlMemory(trial, window, counts, filtered, (0.0, 0.0), rest(x, x), FILTERS_AT_REST, still, LAWS_AT_REST, 0)
 
 
 @kernel
-def tare(newton_per_count: float, counts: int, before: tuple[int, int], trial: Trial) -> Force:
+def tare(params: ControllerParams, counts: int, before: tuple[int, int], filtered: Filtered, trial: Trial) -> Force:
     """The gauge in N without the bias that the trial's negative ticks have averaged so far."""
-    bias_n = 0.0
+    newton_per_count, bias_n = params.calibration.force_n_per_count, 0.0
     if trial.bias_samples > 0:
         bias_n = newton_per_count * (trial.bias_sum_counts / trial.bias_samples)
     raw_n = newton_per_count * counts
     mean_n = mean_of_three(raw_n, newton_per_count * before[0], newton_per_count * before[1])
+    if params.force_cutoff_rad_per_s > 0.0:
+        mean_n = filtered.force_n
     return Force(raw_n - bias_n, mean_n - bias_n, bias_n)
 
 
@@ -163,7 +168,9 @@ def control_step(
     memory = begin(memory, params, sample, q, x)
     dt_s = (sample.time_ns - memory.trial.time_ns) / NS_PER_S
     trial = advance(memory.trial, sample, q, x)
-    force = tare(params.calibration.force_n_per_count, sample.force_counts, memory.force_counts, trial)
+    raw_n = params.calibration.force_n_per_count * sample.force_counts
+    filtered = filter_step(memory.filtered, params.force_cutoff_rad_per_s, params.force_noise_n, raw_n, dt_s)
+    force = tare(params, sample.force_counts, memory.force_counts, filtered, trial)
     deltas = reference_deltas(table, sample.trial_time_ns / NS_PER_S if trial.started else BEFORE_START_S)
     running = runs(trial, sample)
     ready = memory.ready
@@ -201,5 +208,6 @@ def control_step(
     )
     force_counts = (sample.force_counts, memory.force_counts[0])
     force_sets_n = (deltas[6], memory.force_set_n[0])
-    memory = ControlMemory(trial, window, force_counts, force_sets_n, wanted.impedance, wanted.explicit, qd, made.laws, ready)
+    impedance, explicit = wanted.impedance, wanted.explicit
+    memory = ControlMemory(trial, window, force_counts, filtered, force_sets_n, impedance, explicit, qd, made.laws, ready)
     return memory, made.codes, thought

@@ -1,0 +1,132 @@
+"""Three ways to keep the contact force below a ceiling by changing the target impedance on-line (thesis 9.3.4).
+
+All see the same excess: 0 below an onset, 1 where the force reaches the ceiling, linear between and beyond.
+
+* stiffness: the excess melts the spring, k' = -rate excess k; below the onset it freezes again, k' = (k_0 - k) / release.
+* offset: the excess draws the position set-point away from the surface, o' = speed excess; below the onset o' = -o / release.
+* limit switch: a stop behind the gauge engages at the onset and pushes the model away from the surface with stop excess,
+  a nonlinear spring without memory.
+
+Mass and damping stay; so do the axes across the gauge's.
+"""
+
+import math
+
+from services.controller.impedance import ImpedanceState, impedance_step
+from services.controller.kinematics import along_axis
+from services.controller.params import (
+    ADAPT_LIMIT_SWITCH,
+    ADAPT_NONE,
+    ADAPT_OFFSET,
+    AdaptationParams,
+    ImpedanceParams,
+)
+from shared.kernel import kernel
+from shared.pose import Triple
+
+LEAST_SHARE = 0.01  # of the target stiffness: a model without any spring has no place to return to
+
+
+@kernel
+def force_excess(adaptation: AdaptationParams, force_n: float) -> float:
+    """0 up to the onset, 1 at the ceiling; NaN stays NaN."""
+    if force_n <= adaptation.onset_n:
+        return 0.0
+    return (force_n - adaptation.onset_n) / (adaptation.ceiling_n - adaptation.onset_n)
+
+
+@kernel
+def relief_step(relief: float, adaptation: AdaptationParams, excess: float, dt_s: float) -> float:
+    """What the target has given way after `dt_s` of `excess`: the share of its stiffness that melted, or its offset in m.
+
+    Exact for an excess held over the interval.
+    """
+    if excess == 0.0:
+        return relief * math.exp(-dt_s / adaptation.release_s) if dt_s >= 0.0 else math.nan
+    if adaptation.kind == ADAPT_OFFSET:
+        return relief + adaptation.retreat_m_per_s * excess * dt_s
+    melting = adaptation.melting_per_s * excess * dt_s
+    share = (1.0 - relief) * math.exp(-melting) if melting >= 0.0 else math.nan
+    return 1.0 - share if not share < LEAST_SHARE else 1.0 - LEAST_SHARE
+
+
+@kernel
+def melted(params: ImpedanceParams, relief: float) -> ImpedanceParams:
+    """The target with the share `relief` of its stiffness gone; m and c = 2 xi sqrt(m k) are kept."""
+    share = 1.0 - relief
+    root = math.sqrt(share) if share > 0.0 else math.nan
+    return ImpedanceParams(
+        params.stiffness_n_per_m * share,
+        params.natural_frequency_rad_per_s * root,
+        params.damping_ratio / root,
+        params.force_gain,
+        params.force_axis,
+        params.force_sign,
+        params.environment_n_per_m,
+        params.formulation,
+    )
+
+
+@kernel
+def spliced(across: Triple, along: Triple, axis: int) -> Triple:
+    """`along` on one axis, `across` on the other two."""
+    return (
+        along[0] if axis == 0 else across[0],
+        along[1] if axis == 1 else across[1],
+        along[2] if axis == 2 else across[2],
+    )
+
+
+@kernel
+def with_relief(state: ImpedanceState, relief: float) -> ImpedanceState:
+    """`state` with another relief."""
+    return ImpedanceState(
+        state.position_m,
+        state.velocity_m_per_s,
+        state.nominal_m,
+        state.force_offset_m,
+        state.force_velocity_m_per_s,
+        relief,
+    )
+
+
+@kernel
+def melted_step(
+    state: ImpedanceState, params: ImpedanceParams, nominal_m: Triple, force_error_n: float, dt_s: float
+) -> tuple[ImpedanceState, Triple]:
+    """`impedance_step` with what is left of the stiffness along the gauge's axis, and all of it across.
+
+    The stiffness of a sample holds for the whole interval; position and velocity of the model go on from there.
+    """
+    axis = params.force_axis
+    across, x_across = impedance_step(state, params, nominal_m, force_error_n, dt_s)
+    along, x_along = impedance_step(state, melted(params, state.relief), nominal_m, force_error_n, dt_s)
+    position_m = spliced(across.position_m, along.position_m, axis)
+    velocity_m_per_s = spliced(across.velocity_m_per_s, along.velocity_m_per_s, axis)
+    new = ImpedanceState(
+        position_m, velocity_m_per_s, nominal_m, along.force_offset_m, along.force_velocity_m_per_s, state.relief
+    )
+    return new, spliced(x_across, x_along, axis)
+
+
+@kernel
+def adapted_step(
+    state: ImpedanceState,
+    params: ImpedanceParams,
+    adaptation: AdaptationParams,
+    nominal_m: Triple,
+    force_n: float,
+    force_error_n: float,
+    dt_s: float,
+) -> tuple[ImpedanceState, Triple]:
+    """`impedance_step` of a target that gives way where `force_n`, the gauge's force, comes near the ceiling."""
+    if adaptation.kind == ADAPT_NONE:
+        return impedance_step(state, params, nominal_m, force_error_n, dt_s)
+    excess = force_excess(adaptation, force_n)
+    if adaptation.kind == ADAPT_LIMIT_SWITCH:
+        return impedance_step(state, params, nominal_m, force_error_n + adaptation.stop_n * excess, dt_s)
+    relieved = with_relief(state, relief_step(state.relief, adaptation, excess, dt_s))
+    if adaptation.kind == ADAPT_OFFSET:
+        away_m = along_axis(nominal_m, params.force_axis, params.force_sign * relieved.relief)
+        return impedance_step(relieved, params, away_m, force_error_n, dt_s)
+    return melted_step(relieved, params, nominal_m, force_error_n, dt_s)
