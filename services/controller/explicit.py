@@ -7,7 +7,8 @@ On a spring k_eff the impedance controller behaves as  u = C J^-1 (H + M_F) (f_d
 
 The program takes law and filter in the other order, which is the same for a linear law, and forms the filter's feed-through by
 differentiating its own output numerically; as a sum it needs no derivative. The thesis prints J^T, which is J^-1 at a lever of
-1 m only.
+1 m only; here the inverse kinematics of the way are J^-1. Both forces come as means of three samples, as the target impedance
+takes them; the program averages the measured one alone.
 """
 
 import math
