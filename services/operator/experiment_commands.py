@@ -49,7 +49,7 @@ def show(
     from experiments.claims import band
     from experiments.experiment import to_toml
 
-    experiment = _experiment(name, settings)
+    experiment = experiment_of(name, settings)
     if toml:
         sys.stdout.write(to_toml(experiment))
         return
@@ -93,7 +93,7 @@ def run(
                 path.parent.mkdir(parents=True, exist_ok=True)
         except OSError as error:
             raise fail(f"{path}: its folder cannot be made ({error.strerror}): name another", EXIT_USAGE) from None
-    experiment = _experiment(name, settings)
+    experiment = experiment_of(name, settings)
     place = cells.Place(cell, port)
     wanted = Wanted(experiment, clock, seed, rrd, trace_file, service_options(permit_ttl_ms, realtime=realtime))
     try:
@@ -123,7 +123,7 @@ def view(recording: Annotated[Path | None, typer.Argument(help="A .rrd file; def
     os.execv(viewer, [str(viewer), str(chosen)])
 
 
-def _experiment(name: str, settings: list[str] | None) -> Any:
+def experiment_of(name: str, settings: list[str] | None) -> Any:
     """From a file or the library, with `--set` applied; exit 2 with one line a problem."""
     from experiments.errors import ExperimentError
     from experiments.experiment import from_toml
