@@ -22,14 +22,18 @@ def pairs() -> tuple[PairClaim, ...]:
     return tuple(claim for chapter in _CHAPTERS for claim in chapter.PAIRS)
 
 
+SECOND_FIGURES = {"fig-5-10": "fig-5-9", "fig-5-12": "fig-5-11"}  # history plots of a trial that is named after its motion plot
+
+
 @cache
 def _index() -> dict[str, Experiment]:
     named = {experiment.name: experiment for experiment in catalogue()}
-    return {**{experiment.alias: experiment for experiment in catalogue()}, **named}
+    second = {figure: named[name] for figure, name in SECOND_FIGURES.items()}
+    return {**{experiment.alias: experiment for experiment in catalogue()}, **second, **named}
 
 
 def find(name_or_alias: str) -> Experiment:
-    """The experiment of that name or alias. Raises ExperimentError with the nearest names."""
+    """The experiment of that name, alias or second figure. Raises ExperimentError with the nearest names."""
     known = _index()
     if name_or_alias not in known:
         hint = nearest(name_or_alias, known)

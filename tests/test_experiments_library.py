@@ -43,6 +43,19 @@ def test_an_experiment_is_found_by_figure_and_by_alias():
     assert find("fig-5-5") is find("static-force-soft-plate")
 
 
+def test_a_second_figure_leads_to_its_trial():
+    assert find("fig-5-10") is find("fig-5-9")
+    assert find("fig-5-12") is find("fig-5-11")
+
+
+def test_no_statement_occurs_twice_in_a_figure():
+    for experiment in catalogue():
+        statements = [
+            claim.statement for claim in (*experiment.claims, *(pair for pair in pairs() if pair.of == experiment.name))
+        ]
+        assert len(statements) == len(set(statements)), experiment.name
+
+
 def test_an_unknown_name_is_answered_with_the_nearest():
     with pytest.raises(ExperimentError, match=r"fig-4-26 is no experiment: use one of .*fig-4-2"):
         find("fig-4-26")

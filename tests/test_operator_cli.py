@@ -8,6 +8,7 @@ import numpy as np
 import pytest
 from typer.testing import CliRunner, Result
 
+from analysis.studies import STUDIES
 from experiments.experiment import from_toml
 from experiments.library import catalogue, find
 from experiments.trace import Trace, load
@@ -25,7 +26,9 @@ def hydrohil(*arguments: str) -> Result:
 
 def test_list_names_every_experiment():
     listed = json.loads(hydrohil("list", "--json").stdout)
-    assert [entry["name"] for entry in listed] == [experiment.name for experiment in catalogue()]
+    trials = [entry["name"] for entry in listed if not entry.get("computed")]
+    assert trials == [experiment.name for experiment in catalogue()]
+    assert [entry["name"] for entry in listed if entry.get("computed")] == [study.name for study in STUDIES]
     assert all(name in hydrohil("list").stdout for name in ("fig-4-2", "fig-5-14"))
 
 
@@ -38,6 +41,10 @@ def test_show_states_every_claim_with_its_band_and_source():
 
 def test_an_alias_shows_the_same_experiment():
     assert hydrohil("show", find(EXPERIMENT).alias).stdout == hydrohil("show", EXPERIMENT).stdout
+
+
+def test_a_second_figure_of_a_trial_shows_that_trial():
+    assert hydrohil("show", "fig-5-10").stdout == hydrohil("show", "fig-5-9").stdout
 
 
 def test_what_show_prints_as_toml_is_the_experiment_and_runs(tmp_path: Path):
@@ -109,6 +116,8 @@ def test_the_seed_changes_the_run_and_repeats_it(tmp_path: Path):
         (("run", EXPERIMENT, "--clock", "sidereal"), ("sidereal", "real, lockstep or local")),
         (("run", EXPERIMENT, *LOCAL, "--rrd", "x.rrd"), ("--rrd", "--trace")),
         (("run", "nowhere/mine.toml", *LOCAL), ("nowhere/mine.toml",)),
+        (("run", "fig-6-4", *LOCAL), ("fig-6-4 is a computed figure", "hydrohil reproduce --only fig-6-4")),
+        (("show", "force-filter"), ("computed figure", "hydrohil reproduce --only force-filter")),
     ],
 )
 def test_wrong_usage_ends_with_2_and_says_what_is_expected(arguments: tuple[str, ...], words: tuple[str, ...]):

@@ -1,9 +1,9 @@
 """`hydrohil`: the entry point. Each command imports what it needs, so that a service starts fast."""
 
-from services.operator import analysis_commands, cell_commands, experiment_commands, service_commands
+from services.operator import analysis_commands, cell_commands, experiment_commands, reproduce_command, service_commands
 from services.operator.options import app
 
-__all__ = ["analysis_commands", "app", "cell_commands", "experiment_commands", "main", "service_commands"]
+__all__ = ["analysis_commands", "app", "cell_commands", "experiment_commands", "main", "reproduce_command", "service_commands"]
 
 
 def main() -> None:

@@ -18,21 +18,22 @@ _RUNS = Path("runs")
 
 @app.command("list")
 def list_experiments(as_json: AsJson = False) -> None:
-    """List the experiments that ship."""
+    """List the experiments that ship, and the figures that are computed."""
     from rich.table import Table
 
+    from experiments.experiment import Experiment
     from experiments.library import catalogue
+    from reproduction.plan import figures
 
     if as_json:
-        print(
-            json.dumps(
-                [{"name": e.name, "alias": e.alias, "title": e.title, "claims": len(e.claims)} for e in catalogue()], indent=2
-            )
-        )
+        experiments = [{"name": e.name, "alias": e.alias, "title": e.title, "claims": len(e.claims)} for e in catalogue()]
+        computed = [{"name": f.name, "alias": f.subject.alias, "title": f.subject.title} for f in figures() if f.computed]
+        print(json.dumps(experiments + [entry | {"computed": True} for entry in computed], indent=2))
         return
     table = Table("name", "alias", "title", "claims")
-    for experiment in catalogue():
-        table.add_row(experiment.name, experiment.alias, experiment.title, str(len(experiment.claims)))
+    for figure in figures():
+        claims = str(len(figure.subject.claims)) if isinstance(figure.subject, Experiment) else "computed"
+        table.add_row(", ".join((figure.name, *figure.also)), figure.subject.alias, figure.subject.title, claims)
     console.print(table)
 
 
@@ -134,4 +135,12 @@ def experiment_of(name: str, settings: list[str] | None) -> Any:
         experiment = from_toml(Path(name)) if name.endswith(".toml") or os.sep in name else find(name)
         return with_overrides(experiment, settings or [])
     except ExperimentError as error:
-        raise fail(error, EXIT_USAGE) from None
+        raise fail(_computed(name) or error, EXIT_USAGE) from None
+
+
+def _computed(name: str) -> str:
+    """What to say of a figure that is no trial; "" of anything else."""
+    from reproduction.plan import figures
+
+    computed = {alias for figure in figures() if figure.computed for alias in figure.names}
+    return f"{name} is a computed figure, no trial: `hydrohil reproduce --only {name}` shows it" if name in computed else ""

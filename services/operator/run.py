@@ -1,6 +1,8 @@
 """`hydrohil run`: on the local clock in this process, otherwise in a cell that runs or is brought up for the run."""
 
 import time
+from collections.abc import Iterable, Iterator
+from contextlib import contextmanager
 from pathlib import Path
 from typing import Any, NamedTuple
 
@@ -10,13 +12,11 @@ from rich.progress import BarColumn, Progress, TextColumn, TimeRemainingColumn
 from experiments.claims import Verdict, judge
 from experiments.experiment import Experiment
 from experiments.trace import Trace, save
-from rollout.rollout import play_local, trace_of
+from reproduction.play import play
 from services.operator import cell as cells
 from services.operator.report import Report, markdown
 from services.operator.session import Live, run_live
-from services.supervisor.rules import trip_words
 from shared.bus import Bus
-from shared.messages import Mode, TripCause
 from shared.topics import SERVICES
 
 
@@ -39,17 +39,18 @@ def run_experiment(place: cells.Place, wanted: Wanted, console: Console) -> Repo
 def _local(wanted: Wanted, console: Console) -> Report:
     began = time.perf_counter()
     with console.status("running (the first run after a change compiles)"):
-        outcome = play_local(wanted.experiment, wanted.seed)
-    wall_s = time.perf_counter() - began
-    trip = outcome.supervisor
-    tripped = ""
-    if trip.mode == Mode.TRIPPED:
-        tripped = trip_words(TripCause(trip.cause), trip.measured, trip.limit, trip.trip_number)
-    return _report(wanted, trace_of(outcome), tripped, "", wall_s, {})
+        played = play(wanted.experiment, wanted.seed)
+    return _report(wanted, played.trace, played.tripped, "", time.perf_counter() - began, {})
 
 
 def _in_cell(place: cells.Place, wanted: Wanted, console: Console) -> Report:
-    """Use the cell that runs, or bring one up that dies with this process."""
+    with cell_bus(place, SERVICES, wanted.extra, console) as bus:
+        return _run_and_record(bus, wanted, console)
+
+
+@contextmanager
+def cell_bus(place: cells.Place, services: Iterable[str], extra: dict[str, list[str]], console: Console) -> Iterator[Bus]:
+    """The cell that runs, or one brought up that dies with this process. Raises CellError."""
     with cells.operator_bus(place) as bus:
         running = bus.alive() & set(cells.LOOP)
         if not running:
@@ -62,11 +63,11 @@ def _in_cell(place: cells.Place, wanted: Wanted, console: Console) -> Report:
             )
         started = {}
         if not running:
-            started = cells.start(place, SERVICES, with_parent=True, extra=wanted.extra)
+            started = cells.start(place, services, with_parent=True, extra=extra)
         try:
             with console.status("waiting for the cell: it measures this host for two seconds"):
                 cells.await_ready(place, bus, started)
-            return _run_and_record(bus, wanted, console)
+            yield bus
         finally:
             cells.stop(process.pid for process in started.values())
 

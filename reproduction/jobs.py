@@ -1,0 +1,75 @@
+"""What a worker does: play the trials of a group with one seed, judge its figures, and draw them if asked."""
+
+from collections.abc import Iterable, Mapping
+from typing import NamedTuple
+
+from experiments.library import catalogue, find
+from experiments.study import Study
+from reproduction.drawing import svg
+from reproduction.panels import Picture, computed, pictures
+from reproduction.plan import Figure, Group, find_figure
+from reproduction.play import Found, Played, judge_figure, play, simulated_s
+
+TIMES_REAL_TIME, DRAWING_S = 400.0, 0.4  # of one core, roughly: for the order of the jobs and the time that is left
+WARM_S = 0.1
+
+
+class Job(NamedTuple):
+    """One group with one seed."""
+
+    group: Group
+    seed: int
+    draw: bool
+
+    @property
+    def cost_s(self) -> float:
+        """About how long it takes."""
+        drawing_s = DRAWING_S * len(self.group.figures) if self.draw else 0.0
+        return simulated_s([find(name) for name in self.group.trials]) / TIMES_REAL_TIME + drawing_s
+
+
+class Done(NamedTuple):
+    """What a job found."""
+
+    job: Job
+    found: tuple[Found, ...]
+    drawn: dict[str, tuple[str, ...]]  # figure -> SVG
+
+
+def jobs(groups: Iterable[Group], seeds: int) -> tuple[Job, ...]:
+    """Every group with every seed, the longest first; the first seed is drawn, and no trial means no seed."""
+    made = [Job(group, seed, seed == 0) for group in groups for seed in range(seeds if group.trials else 1)]
+    return tuple(sorted(made, key=lambda job: -job.cost_s))
+
+
+def imported() -> None:
+    """Nothing: whoever can call it has imported what a job needs."""
+
+
+def warm() -> None:
+    """Compile, or load what is compiled: a tenth of a second of any trial."""
+    play(catalogue()[0]._replace(duration_s=WARM_S), 0)
+
+
+def work(job: Job) -> Done:
+    """Play, judge and draw on the local clock."""
+    return judged(job, {name: play(find(name), job.seed) for name in job.group.trials})
+
+
+def judged(job: Job, played: Mapping[str, Played]) -> Done:
+    """Judge and draw trials that were played, whatever the clock."""
+    figures = [find_figure(name) for name in job.group.figures]
+    found = [judge_figure(figure, played) for figure in figures]
+    drawn = {figure.name: _drawn(figure, played, seen) for figure, seen in zip(figures, found, strict=True)} if job.draw else {}
+    return Done(job, tuple(seen._replace(panels=()) for seen in found), drawn)
+
+
+def _drawn(figure: Figure, played: Mapping[str, Played], seen: Found) -> tuple[str, ...]:
+    return tuple(svg(picture, f"{figure.name}-{number}") for number, picture in enumerate(_pictures(figure, played, seen)))
+
+
+def _pictures(figure: Figure, played: Mapping[str, Played], seen: Found) -> tuple[Picture, ...]:
+    if isinstance(figure.subject, Study):
+        return computed(seen.panels)
+    trace = played[figure.name].trace
+    return () if trace is None or len(trace.t_s) < 2 else pictures(figure.subject, trace)

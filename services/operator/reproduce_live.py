@@ -1,0 +1,44 @@
+"""`hydrohil reproduce --clock lockstep|real`: one cell, one trial after another, then the same verdicts and plots."""
+
+import contextlib
+from collections.abc import Iterable
+
+from rich.console import Console
+from rich.progress import BarColumn, Progress, TextColumn, TimeRemainingColumn
+
+from experiments.library import find
+from reproduction.jobs import Done, jobs, judged
+from reproduction.plan import Group
+from reproduction.play import Played, simulated_s
+from services.operator import cell as cells
+from services.operator.run import cell_bus
+from services.operator.session import run_live
+from shared.bus import Bus
+
+
+def reproduce_live(
+    place: cells.Place, groups: Iterable[Group], seeds: int, clock: str, extra: dict[str, list[str]], console: Console
+) -> list[Done]:
+    """Every group with every seed; drawn when the cell has nothing left to do. Raises CellError, TrippedError."""
+    todo = jobs(groups, seeds)
+    played: dict[tuple[str, int], Played] = {}
+    columns = (TextColumn("{task.description}"), BarColumn(), TimeRemainingColumn())
+    with cell_bus(place, cells.LOOP, extra, console) as bus, Progress(*columns, console=console) as progress:
+        trials = [(name, job.seed) for job in todo for name in job.group.trials]
+        task = progress.add_task("", total=sum(simulated_s([find(name)]) for name, _ in trials))
+        for name, seed in trials:
+            progress.update(task, description=f"{name}, seed {seed}")
+            played[name, seed] = _play(bus, name, seed, clock)
+            progress.advance(task, simulated_s([find(name)]))
+    with console.status("drawing"):
+        return [judged(job, {name: played[name, job.seed] for name in job.group.trials}) for job in todo]
+
+
+def _play(bus: Bus, name: str, seed: int, clock: str) -> Played:
+    """One trial; after a trip the rig is reset, so that the next one can begin. Raises CellError where it cannot."""
+    live = run_live(bus, find(name), seed, clock, lambda _: None)
+    if live.tripped:
+        for service in ("plant", "supervisor"):
+            with contextlib.suppress(cells.RefusedError):  # the next load says why it is refused
+                cells.ask(bus, service, "reset")
+    return Played(live.trace, live.tripped, live.gap)
