@@ -41,7 +41,15 @@ from experiments.tracking import (
     steady_error_counts,
     upward_error_ratio,
 )
-from experiments.valves import braking_control_ratio, control_noise, control_peak, control_reversals, control_rms, control_swings
+from experiments.valves import (
+    braking_control_ratio,
+    control_noise,
+    control_peak,
+    control_reversals,
+    control_rms,
+    control_swings,
+    upward_swing_ratio,
+)
 
 MetricName = Literal[
     "rms_error",
@@ -79,6 +87,7 @@ MetricName = Literal[
     "control_noise",
     "braking_control_ratio",
     "upward_error_ratio",
+    "upward_swing_ratio",
     "cycles",
     "cycle_amplitude",
     "cycle_period_s",
@@ -135,6 +144,7 @@ METRICS: dict[MetricName, Metric] = {
     "control_noise": Metric(control_noise, "current", LINKS),
     "braking_control_ratio": Metric(braking_control_ratio, "number", LINKS),
     "upward_error_ratio": Metric(upward_error_ratio, "number", _FORCE),
+    "upward_swing_ratio": Metric(upward_swing_ratio, "number", LINKS),
     "cycles": Metric(cycles, "number", _POSITIONS),
     "cycle_amplitude": Metric(cycle_amplitude, "channel", _POSITIONS),
     "cycle_period_s": Metric(cycle_period_s, "time", _POSITIONS),

@@ -2,7 +2,7 @@
 
 import numpy as np
 
-from experiments.signals import LINKS, NAN, ChannelName, alternations, control, rms, swings
+from experiments.signals import LINKS, NAN, ChannelName, alternations, control, moves, rms, swings
 from experiments.trace import Trace
 from shared.units import A_PER_MA
 
@@ -17,6 +17,15 @@ def control_reversals(trace: Trace, channel: ChannelName) -> float:
 def control_swings(trace: Trace, channel: ChannelName) -> float:
     """How often the valve current turns round and goes further than the spool's overlap (36 mA) the other way."""
     return float(swings(control(trace, channel), OVERLAP_A))
+
+
+def upward_swing_ratio(trace: Trace, channel: ChannelName) -> float:
+    """Swings of the control while the force is being lowered, the tool rising, over those while it is being raised."""
+    current, raised, lowered = control(trace, channel), 0, 0
+    for start, end, direction in moves(trace.force_set_n):
+        count = swings(current[start:end], OVERLAP_A)
+        raised, lowered = (raised + count, lowered) if direction > 0.0 else (raised, lowered + count)
+    return lowered / raised if raised else NAN
 
 
 def control_rms(trace: Trace, channel: ChannelName) -> float:

@@ -4,7 +4,15 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from services.controller.kinematics import CLAMPED_HIGH, CLAMPED_LOW, CLAMPED_UNREACHABLE, clamp_joints, inverse, tip_velocity
+from services.controller.kinematics import (
+    CLAMPED_HIGH,
+    CLAMPED_LOW,
+    CLAMPED_UNREACHABLE,
+    clamp_joints,
+    inverse,
+    joint_loads,
+    tip_velocity,
+)
 from shared.converters import UNIMATE_ENCODERS, UNIMATE_FORCE, calibration
 from shared.kernel import compiled
 from shared.pose import UNIMATE_GEOMETRY, forward, joint_positions
@@ -121,3 +129,23 @@ def test_the_tips_velocity_leaves_no_domain_and_agrees_compiled():
     for value in EDGES:
         for q, pitch, qd in (((value, value, value), 0.1, (1.0, 2.0, 3.0)), ((0.1, 0.2, 0.3), value, (value, 1.0, value))):
             assert repr(tip_velocity(G, q, pitch, qd)) == repr(fast(G, q, pitch, qd))
+
+
+@pytest.mark.parametrize("axis", [0, 2])
+@given(
+    st.floats(G.low_rad[0], G.high_rad[0]),
+    st.floats(G.low_rad[1], G.high_rad[1]),
+    st.floats(G.low_rad[2], G.high_rad[2]),
+    st.floats(-180 * RAD_PER_DEG, 0.0),
+)
+def test_a_push_on_the_tip_does_the_work_that_its_joint_loads_do(axis, q1, q2, q3, pitch):
+    q, step = (q1, q2, q3), 1e-6
+    loads = joint_loads(G, q, pitch, axis, 200.0)
+    for i in range(3):
+        ahead, behind = (tuple(v + sign * step * (j == i) for j, v in enumerate(q)) for sign in (1.0, -1.0))
+        work = 200.0 * (forward(G, ahead, pitch)[axis] - forward(G, behind, pitch)[axis])
+        assert loads[i] == pytest.approx(work / (2.0 * step), abs=1e-4)
+
+
+def test_the_plate_lifts_the_link_that_presses_on_it():
+    assert joint_loads(G, (0.0, 0.0, 0.212), 0.0, 2, 250.0) == pytest.approx((0.0, -250.0, 0.0))

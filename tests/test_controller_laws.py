@@ -2,13 +2,19 @@ import math
 
 import numpy as np
 import pytest
+from scipy.integrate import solve_ivp
+from scipy.optimize import brentq
 
 from services.controller.laws import (
     AT_REST,
+    LinkLawState,
     braking_acceleration,
+    braking_gain,
     deadband_compensation,
     law_step,
+    load_feedforward,
     morse_factor,
+    peak_speed,
     position_error,
     relay_sign,
     stiction_rate,
@@ -21,11 +27,14 @@ from services.controller.params import (
     LAW_HYSTERESIS,
     LAW_MORSE,
     LAW_PI,
+    LAW_ROBUST,
+    LAW_TORQUE,
     LAW_VETIA,
     OUT_IN_GAINS,
     ROTATE_GAINS,
     LinkGains,
 )
+from services.plant.params import UNIMATE
 from shared.kernel import compiled
 from shared.units import A_PER_MA, RAD_PER_DEG
 
@@ -268,3 +277,123 @@ def test_no_input_leaves_the_domain_and_compiled_agrees_in_every_bit():
 
 def test_default_gains_are_link_2():
     assert LinkGains() == DOWN_UP_GAINS
+
+
+def _brake(law, speed_deg_per_s, samples=40, gains=G):
+    """What a link that follows exactly has left in its integral once the set-point has sped up and come to rest."""
+    state = AT_REST
+    for share in np.sin(np.linspace(0.0, np.pi, 2 * samples + 1))[1:]:
+        speed = max(float(share), 1e-9) * speed_deg_per_s * DEG  # at 0 the set-point stands and is not braked
+        state, _, boosted = law_step(state, gains, law, 0.0, 0.0, speed, speed, DT_S)
+        assert boosted == 0
+    return state.integral_a
+
+
+@pytest.mark.parametrize("sign", [1.0, -1.0])
+@pytest.mark.parametrize("speed", [0.1, 0.149, 0.151, 0.5, 2.99, 3.01, 10.0])
+def test_a_robust_brake_takes_the_threshold_current_or_what_the_speed_asks_if_that_is_more(speed, sign):
+    proportional, least = 26.4 * MA * speed, 450 * A_PER_COUNT
+    wanted = proportional if speed <= 0.15 else max(proportional, least)
+    assert _brake(LAW_ROBUST, sign * speed) == pytest.approx(-sign * wanted)
+    assert _brake(LAW_FINAL, sign * speed) == pytest.approx(-sign * proportional)
+
+
+def test_what_a_robust_brake_takes_does_not_depend_on_how_long_it_takes():
+    assert _brake(LAW_ROBUST, 0.5, 20) == pytest.approx(_brake(LAW_ROBUST, 0.5, 200))
+
+
+def test_a_large_motion_is_braked_by_the_robust_law_as_by_the_final_law_in_every_bit():
+    one, other = AT_REST, AT_REST
+    for i in range(2000):
+        t = i * DT_S
+        q_set, qd_set = 1.0 * math.sin(6.0 * t) * DEG, 6.0 * math.cos(6.0 * t) * DEG
+        args = (0.9 * q_set, q_set, 0.8 * qd_set, qd_set, DT_S)
+        one, u, _ = law_step(one, G, LAW_ROBUST, *args)
+        other, wanted, _ = law_step(other, G, LAW_FINAL, *args)
+        assert u == wanted
+
+
+def test_a_set_point_that_noise_moves_is_braked_as_by_the_final_law():
+    rng, one, other = np.random.default_rng(3), AT_REST, AT_REST
+    for speed in rng.uniform(-0.15, 0.15, 2000) * DEG:
+        one = law_step(one, G, LAW_ROBUST, 0.0, 0.0, 0.0, float(speed), DT_S)[0]
+        other = law_step(other, G, LAW_FINAL, 0.0, 0.0, 0.0, float(speed), DT_S)[0]
+    assert one.integral_a == other.integral_a != 0.0
+
+
+def test_the_robust_law_is_the_solution_of_its_differential_equation():
+    # I' = K_I e + max(K_a, U_b / v) q_s'' while braking - I ln(1 + e'^2 / a) / dt,  on a sine followed to nine tenths
+    amplitude, omega, dt_s = 0.3 * DEG, 2.0 * np.pi, 0.5e-3
+    peak = amplitude * omega
+    gain = max(26.4 * MA / DEG, 450 * A_PER_COUNT / peak)
+
+    def rate(t, integral):
+        q_set, qd_set = amplitude * np.sin(omega * t), peak * np.cos(omega * t)
+        acceleration = -omega * omega * q_set
+        braking = acceleration if acceleration * qd_set < 0.0 else 0.0
+        alpha = 8000 * DEG * DEG * (0.001 + abs(qd_set) / (10 * DEG))
+        return 1151 * MA / DEG * 0.1 * q_set + gain * braking - integral * np.log(1.0 + (0.1 * qd_set) ** 2 / alpha) / dt_s
+
+    gains = G._replace(error_dead_zone_rad=0.0)
+    state, times = LinkLawState(peak_rad_per_s=peak, qd_set_rad_per_s=peak), np.arange(1, 4001) * dt_s
+    seen = []
+    for t in times:
+        q_set, qd_set = amplitude * math.sin(omega * t), peak * math.cos(omega * t)
+        state, _, boosted = law_step(state, gains, LAW_ROBUST, 0.9 * q_set, q_set, 0.9 * qd_set, qd_set, dt_s)
+        assert boosted == 0
+        seen.append(state.integral_a)
+    exact = solve_ivp(rate, (0.0, times[-1]), [0.0], t_eval=times, max_step=2e-3, rtol=1e-8, atol=1e-12).y[0]
+    assert np.ptp(exact) > 50 * MA
+    assert np.array(seen) == pytest.approx(exact, abs=0.01 * np.ptp(exact))
+
+
+def test_a_motion_is_as_fast_as_its_fastest_moment_until_the_set_point_stands_or_turns_round():
+    state, peaks = AT_REST, []
+    for speed in (0.1, 0.3, 0.2, 0.05, 0.2, 0.0, 0.1, -0.05, -0.02):
+        peak = peak_speed(state, speed)
+        state = state._replace(peak_rad_per_s=peak, qd_set_rad_per_s=speed)
+        peaks.append(peak)
+    assert peaks == [0.1, 0.3, 0.3, 0.3, 0.3, 0.0, 0.1, 0.05, 0.05]
+
+
+def test_braking_stays_finite_however_slow_the_motion_was():
+    gains = G._replace(stiction_rate_min_rad_per_s=0.0)
+    assert braking_gain(gains, LAW_ROBUST, 0.0) == gains.ka_a_s_per_rad
+    assert braking_gain(G, LAW_ROBUST, 1e-320) == G.ka_a_s_per_rad
+
+
+def test_only_the_torque_law_feeds_the_load_forward_and_against_it():
+    assert load_feedforward(G, LAW_TORQUE, 200.0) == pytest.approx(-13.6 * MA)
+    assert load_feedforward(G, LAW_TORQUE, -200.0) == pytest.approx(13.6 * MA)
+    assert {load_feedforward(G, law, 200.0) for law in (*LAWS, LAW_ROBUST)} == {0.0}
+
+
+@pytest.mark.parametrize(
+    ("gains", "link", "load"),
+    [(ROTATE_GAINS, UNIMATE.rotate, 250.0), (G, UNIMATE.down_up, 250.0), (OUT_IN_GAINS, UNIMATE.out_in, 500.0)],
+)
+def test_the_feed_forward_is_what_a_load_takes_off_the_break_away_current(gains, link, load):
+    # a stuck link: the ports feed what leaks at D P = F_s - load,  K_q a(u)^2 sqrt((P_s - P) / 2) = C_l P + C_n P
+    def break_away_a(load):
+        pressure = (link.breakaway_nm - load) / link.displacement_m3_per_rad
+        leak = (link.cross_leak_m3_per_s_pa + link.null_leak_m3_per_s_pa) * pressure
+        full = link.flow_gain_m3_per_s_sqrt_pa * math.sqrt((UNIMATE.supply_pressure_pa - pressure) / 2.0)
+        share = brentq(lambda part: full * part * part - leak, 0.0, 1.0)
+        return link.overlap_a + share * (link.full_scale_a - link.overlap_a)
+
+    slope = (break_away_a(-load) - break_away_a(load)) / (2.0 * load)
+    assert gains.load_feedforward_a_per_nm == pytest.approx(slope, rel=0.1)
+
+
+def test_the_later_laws_agree_in_every_bit_compiled_and_never_leave_the_domain():
+    fast, rng = compiled(law_step), np.random.default_rng(2)
+    edges = [math.nan, math.inf, -math.inf, 0.0, -0.0, 1e308, 1e-320, *(float(v) for v in rng.normal(size=6) * 0.02)]
+    for law in (LAW_ROBUST, LAW_TORQUE):
+        plain_state, fast_state = AT_REST, AT_REST
+        for _ in range(300):
+            args = [float(v) for v in rng.choice(edges[3:], 4)] + [DT_S]
+            if rng.random() < 0.3:
+                args[int(rng.integers(5))] = float(rng.choice(edges))
+            assert repr(law_step(AT_REST, G, law, *args)) == repr(fast(AT_REST, G, law, *args))
+            plain_state, fast_state = law_step(plain_state, G, law, *args)[0], fast(fast_state, G, law, *args)[0]
+            assert repr(plain_state) == repr(fast_state)

@@ -338,6 +338,20 @@ def test_compensation_scales_what_the_model_feels_and_not_what_is_reported():
     assert out[-1][1].force_set_n == 10.0
 
 
+@pytest.mark.parametrize(("axis", "sign"), [(2, 1.0), (0, -1.0)])
+def test_the_torque_law_is_the_final_law_and_a_current_against_the_push(axis, sign):
+    samples = [*_bias_phase(), *(_sample(t, force=30 + t, counts=_moved(0, t // 9)) for t in range(90))]
+    plain = _run(_params(axis, sign, law="final", target="joint"), JOINT_STEP, samples)[1]
+    params = _params(axis, sign, law="torque", target="joint")
+    for (_, final), (_, aware) in zip(plain, _run(params, JOINT_STEP, samples)[1], strict=True):
+        x, q, push_n = aware.x_m, aware.q_rad, sign * aware.force_mean_n if aware.tick >= 0 else 0.0
+        reach_m, height_m = math.hypot(x[0], x[1]), x[2]
+        load_2 = -reach_m * push_n if axis == 2 else height_m * math.cos(q[0]) * push_n
+        assert aware.current_a[1] - final.current_a[1] == pytest.approx(-0.068e-3 * load_2, abs=1e-12)
+        assert aware.integral_a == final.integral_a
+    assert abs(load_2) > 30.0
+
+
 def test_a_set_point_beyond_the_travel_is_clamped_and_reported():
     params = _params(target="cartesian")
     _, out = _run(params, (Segment("x", "step", amount=2.0),), [*_bias_phase(), _sample(0)])

@@ -264,6 +264,17 @@ def test_a_swing_is_wider_than_the_overlap_but_need_not_change_sides():
     assert metrics.control_swings(trace._replace(current_a=slow_ramp), "q2") == 1.0
 
 
+def test_upward_swings_are_those_of_the_control_while_the_force_is_lowered():
+    trace = standing(4.0)
+    rising = trace.t_s % 2.0 > 1.0
+    force_set = np.abs((trace.t_s + 1.0) % 2.0 - 1.0) * 100.0  # up for a second, down for a second, twice
+    rate = np.where(rising, 5.0, 2.0)
+    current = -0.09 + 0.05 * np.sign(np.sin(2.0 * np.pi * rate * trace.t_s + 0.1))
+    swinging = trace._replace(current_a=link(current, 2), force_set_n=force_set)
+    assert metrics.upward_swing_ratio(swinging, "q2") == pytest.approx(2.5, rel=0.2)
+    assert math.isnan(metrics.upward_swing_ratio(trace, "q2"))
+
+
 def test_ringing_after_a_spike_belongs_to_it():
     for spacing, count in ((60, 1.0), (120, 2.0)):  # 0.27 s and 0.54 s
         level = np.full(2000, 100.0)

@@ -22,6 +22,8 @@ from services.controller.params import (
     LAW_HYSTERESIS,
     LAW_MORSE,
     LAW_PI,
+    LAW_ROBUST,
+    LAW_TORQUE,
     LAW_VETIA,
     TARGET_CARTESIAN,
     TARGET_EXPLICIT,
@@ -48,6 +50,8 @@ LAWS = {
     "hysteresis": LAW_HYSTERESIS,
     "vetia": LAW_VETIA,
     "final": LAW_FINAL,
+    "robust": LAW_ROBUST,
+    "torque": LAW_TORQUE,
 }
 TARGETS = {"joint": TARGET_JOINT, "cartesian": TARGET_CARTESIAN, "impedance": TARGET_IMPEDANCE, "explicit": TARGET_EXPLICIT}
 FORMULATIONS = {"setpoint": FORMULATION_SETPOINT, "measured": FORMULATION_MEASURED}
@@ -115,7 +119,7 @@ RecoverCurrent = Annotated[float, Ge(0), Le(200 * A_PER_MA)]  # the valves' curr
 class ControllerConfig(NamedTuple):
     """The [controller] section of an experiment."""
 
-    law: Literal["pi", "morse", "deadband", "hysteresis", "vetia", "final"] = "final"
+    law: Literal["pi", "morse", "deadband", "hysteresis", "vetia", "final", "robust", "torque"] = "final"
     target: Literal["joint", "cartesian", "impedance", "explicit"] = "impedance"  # explicit: force control, equivalent (6.2.1)
     acting: tuple[bool, bool, bool] = (True, True, True)  # links that the law drives; the other valves get no current
     gains: tuple[LinkGains, LinkGains, LinkGains] = UNIMATE_GAINS

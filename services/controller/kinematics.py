@@ -77,3 +77,20 @@ def along_axis(x: Triple, axis: int, way_m: float) -> Triple:
         x[1] + way_m if axis == 1 else x[1],
         x[2] + way_m if axis == 2 else x[2],
     )
+
+
+@kernel
+def joint_loads(geometry: Geometry, q: Triple, pitch_rad: float, force_axis: int, push_n: float) -> Triple:
+    """Loads J^T f in N m (link 3: N) of a push along x (axis 0) or z (axis 2) on the tip, positive as q  (thesis 9.2.2).
+
+    J = d forward / dq:  dr/dq2 = z, dz/dq2 = -r, dr/dq3 = cos(q2), dz/dq3 = -sin(q2); then turned by q1.
+    """
+    along_m, a = wrist(geometry, pitch_rad)
+    d = q[2] + along_m
+    q1, q2 = bounded_angle(q[0]), bounded_angle(q[1])
+    s2, c2 = math.sin(q2), math.cos(q2)
+    r, z = d * c2 + a * s2, -d * s2 + a * c2
+    if force_axis == 2:
+        return (0.0, -r * push_n, -s2 * push_n)
+    outward_n = math.cos(q1) * push_n
+    return (-r * math.sin(q1) * push_n, z * outward_n, c2 * outward_n)

@@ -1,5 +1,7 @@
 """Position laws of one link: PI, modified Morse, deadband compensation, VETIA and the final NPI law (thesis 4.3 to 4.6).
 
+Beyond the thesis, each the final law with one change: robust overshoot reduction (9.2.1) and a load fed forward (9.2.2).
+
 Order of operations as in the program (`morse_cont`). The integral is kept as current: I here is K_I I of the thesis.
 Positive is down and out. Link 3 reads m for rad.
 """
@@ -11,6 +13,8 @@ from services.controller.params import (
     LAW_FINAL,
     LAW_HYSTERESIS,
     LAW_PI,
+    LAW_ROBUST,
+    LAW_TORQUE,
     LAW_VETIA,
     LinkGains,
 )
@@ -26,6 +30,7 @@ class LinkLawState(NamedTuple):
     boost_armed: int = 1  # 0 = this stiction event has had its boost
     qd_set_rad_per_s: float = 0.0  # of the last sample, for the braking acceleration
     relay: int = 0  # sign of the hysteretic compensation
+    peak_rad_per_s: float = 0.0  # largest set-point speed since it last stood or turned round
 
 
 AT_REST = LinkLawState()
@@ -60,6 +65,38 @@ def braking_acceleration(gains: LinkGains, qd_set: float, last_qd_set: float, dt
     if acceleration < 0.0 and qd_set > 0.0:
         return -clip if acceleration < -clip else acceleration
     return 0.0
+
+
+@kernel
+def peak_speed(state: LinkLawState, qd_set: float) -> float:
+    """Largest set-point speed since the set-point last stood or turned round: the size of the motion that is braked."""
+    speed = abs(qd_set)
+    if state.peak_rad_per_s > speed and qd_set * state.qd_set_rad_per_s > 0.0:
+        return state.peak_rad_per_s
+    return speed
+
+
+@kernel
+def braking_gain(gains: LinkGains, law: int, peak_rad_per_s: float) -> float:
+    """K_a; of the robust law max(K_a, U_b / v): braking from v to rest takes K_a v, and never less than U_b (9.2.1).
+
+    Any motion, however slow, needs the valve's threshold current, which K_a v forgets. Below e_min nothing was boosted
+    and K_a stays: a set-point that the force's noise moves would otherwise drain the integral again and again.
+    """
+    if law != LAW_ROBUST or peak_rad_per_s <= gains.stiction_rate_min_rad_per_s:
+        return gains.ka_a_s_per_rad
+    if gains.ka_a_s_per_rad * peak_rad_per_s < gains.braking_least_a:
+        return gains.braking_least_a / peak_rad_per_s
+    return gains.ka_a_s_per_rad
+
+
+@kernel
+def load_feedforward(gains: LinkGains, law: int, load_nm: float) -> float:
+    """-k_tau tau: current against the load tau = J^T f that the environment puts on the link, positive down and out (9.2.2).
+
+    Added behind the law, so that a boost breaks away from what the load leaves to overcome: less where it aids the motion.
+    """
+    return -gains.load_feedforward_a_per_nm * load_nm if law == LAW_TORQUE else 0.0
 
 
 @kernel
@@ -129,18 +166,19 @@ def law_step(
 ) -> tuple[LinkLawState, float, int]:
     """u = K_P e + I with I = (I + (K_I e + K_a q''_braking) dt) a / (a + e'^2): (state, current in A, 1 if boosted)."""
     e = position_error(gains, q, q_set, qd_set)
+    peak = peak_speed(state, qd_set)
     if law == LAW_PI:
         integral = state.integral_a + gains.linear_ki_a_per_rad_s * e * dt_s
     else:
         integral = state.integral_a + gains.ki_a_per_rad_s * e * dt_s
-        if law == LAW_FINAL:
+        if law in (LAW_FINAL, LAW_ROBUST, LAW_TORQUE):
             braking = braking_acceleration(gains, qd_set, state.qd_set_rad_per_s, dt_s)
-            integral += gains.ka_a_s_per_rad * braking * dt_s
+            integral += braking_gain(gains, law, peak) * braking * dt_s
         integral *= morse_factor(gains, qd, qd_set)
     current_a = gains.kp_a_per_rad * e + integral
     added_a, relay = compensation(gains, law, state.relay, current_a)
     armed, boosted = state.boost_armed, 0
-    if law in (LAW_VETIA, LAW_FINAL):
+    if law in (LAW_VETIA, LAW_FINAL, LAW_ROBUST, LAW_TORQUE):
         rate = stiction_rate(gains, qd, qd_set)
         integral, armed, boosted = boosted_integral(gains, armed, rate, integral, current_a)
-    return LinkLawState(integral, armed, qd_set, relay), current_a + added_a, boosted
+    return LinkLawState(integral, armed, qd_set, relay, peak), current_a + added_a, boosted

@@ -1,6 +1,6 @@
 """Gains of the position laws (thesis Table 2 and the program of Appendix F) and what the controller's kernels need.
 
-Links 1 and 2 turn (rad), link 3 slides (m): where a suffix says rad, read m for link 3.
+Links 1 and 2 turn (rad), link 3 slides (m): where a suffix says rad, read m for link 3, and N for N m.
 """
 
 from typing import Annotated, NamedTuple
@@ -15,6 +15,7 @@ A_PER_COUNT = 1.0 / COUNTS_PER_A  # the program's thresholds are in counts, 2048
 SQUARE_RAD_PER_DEG = RAD_PER_DEG * RAD_PER_DEG
 
 LAW_PI, LAW_MORSE, LAW_DEADBAND, LAW_HYSTERESIS, LAW_VETIA, LAW_FINAL = 0, 1, 2, 3, 4, 5
+LAW_ROBUST, LAW_TORQUE = 6, 7  # beyond the thesis: its 9.2.1 and 9.2.2
 TARGET_JOINT, TARGET_CARTESIAN, TARGET_IMPEDANCE, TARGET_EXPLICIT = 0, 1, 2, 3
 FORMULATION_SETPOINT, FORMULATION_MEASURED = 0, 1
 ADAPT_NONE, ADAPT_STIFFNESS, ADAPT_OFFSET, ADAPT_LIMIT_SWITCH = 0, 1, 2, 3
@@ -46,11 +47,15 @@ class LinkGains(NamedTuple):
     deadband_positive_a: Annotated[float, Ge(0)] = 88 * A_PER_MA  # U+, 4.5.1
     deadband_negative_a: Annotated[float, Ge(0)] = 88 * A_PER_MA  # -U-, 4.5.1
     hysteresis_a: Annotated[float, Ge(0)] = 7 * A_PER_MA  # half width of the relay; the thesis' text is lost, U_L taken
+    braking_least_a: Annotated[float, Ge(0)] = 450 * A_PER_COUNT  # U_b of the robust law: deadcomp, too weak to move
+    load_feedforward_a_per_nm: Annotated[float, Ge(0)] = 0.068 * A_PER_MA  # k_tau of the torque law, see below
 
 
 # Table 2 prints K_a of link 2 as 150, which is the program's 150 counts s/deg left unconverted: 26.4 mA s/deg as link 1.
 # The linear law's K_I is printed for link 2 alone (115, a tenth of 1151); links 1 and 3 are scaled by a tenth likewise.
 # U+ and U- are printed for link 2 alone (88 mA); links 1 and 3 take their VETIA currents of Table 2.
+# k_tau is what a load takes off the current at which a link breaks loose, as found on a real machine with a weight: slow ramps
+# of 10 mA/s on the emulated one, between loads of -+250 N m on links 1 and 2 and of -+500 N on link 3.
 ROTATE_GAINS = LinkGains(
     kp_a_per_rad=92 * A_PER_RAD_PER_MA_PER_DEG,
     ki_a_per_rad_s=613 * A_PER_RAD_PER_MA_PER_DEG,
@@ -58,6 +63,7 @@ ROTATE_GAINS = LinkGains(
     alpha_max_rad2_per_s2=5000 * SQUARE_RAD_PER_DEG,
     boost_negative_a=88 * A_PER_MA,
     braking_clip_rad_per_s2=15 * RAD_PER_DEG,
+    load_feedforward_a_per_nm=0.043 * A_PER_MA,
 )
 DOWN_UP_GAINS = LinkGains()
 OUT_IN_GAINS = LinkGains(
@@ -77,6 +83,8 @@ OUT_IN_GAINS = LinkGains(
     braking_clip_rad_per_s2=0.05,
     deadband_positive_a=141 * A_PER_MA,
     deadband_negative_a=176 * A_PER_MA,
+    braking_least_a=650 * A_PER_COUNT,
+    load_feedforward_a_per_nm=0.022 * A_PER_MA,  # per N
 )
 UNIMATE_GAINS = (ROTATE_GAINS, DOWN_UP_GAINS, OUT_IN_GAINS)
 

@@ -10,7 +10,8 @@ from typing import NamedTuple
 from services.controller.explicit import FILTERS_AT_REST, ExplicitState
 from services.controller.filtering import Filtered, filter_step
 from services.controller.impedance import ImpedanceState, mean_of_three, rest
-from services.controller.laws import AT_REST, LinkLawState, law_step
+from services.controller.kinematics import joint_loads
+from services.controller.laws import AT_REST, LinkLawState, law_step, load_feedforward
 from services.controller.params import ControllerParams, LinkGains
 from services.controller.reference import Table, reference_deltas
 from services.controller.regression import Window, filled_window, push, velocities
@@ -127,23 +128,41 @@ def shaped_codes(params: ControllerParams, current_a: Triple, sample: Sample) ->
 
 @kernel
 def link_step(
-    acting: int, state: LinkLawState, gains: LinkGains, law: int, q: float, q_set: float, qd: float, qd_set: float, dt_s: float
+    acting: int,
+    state: LinkLawState,
+    gains: LinkGains,
+    law: int,
+    q: float,
+    q_set: float,
+    qd: float,
+    qd_set: float,
+    load_nm: float,
+    dt_s: float,
 ) -> tuple[LinkLawState, float, int]:
     """Answer of one link's law; of a link that does not act: no current, nothing integrated."""
     if acting == 0:
         return AT_REST, 0.0, 0
-    return law_step(state, gains, law, q, q_set, qd, qd_set, dt_s)
+    state, current_a, boosted = law_step(state, gains, law, q, q_set, qd, qd_set, dt_s)
+    return state, current_a + load_feedforward(gains, law, load_nm), boosted
 
 
 @kernel
 def apply_laws(
-    params: ControllerParams, laws: Laws, sample: Sample, q: Triple, q_set: Triple, qd: Triple, qd_set: Triple, dt_s: float
+    params: ControllerParams,
+    laws: Laws,
+    sample: Sample,
+    q: Triple,
+    q_set: Triple,
+    qd: Triple,
+    qd_set: Triple,
+    load_nm: Triple,
+    dt_s: float,
 ) -> Actuation:
     """Answer of the three links' position laws."""
     gains, law, on = params.gains, params.law, params.acting
-    law_1, u_1, boosted_1 = link_step(on[0], laws[0], gains[0], law, q[0], q_set[0], qd[0], qd_set[0], dt_s)
-    law_2, u_2, boosted_2 = link_step(on[1], laws[1], gains[1], law, q[1], q_set[1], qd[1], qd_set[1], dt_s)
-    law_3, u_3, boosted_3 = link_step(on[2], laws[2], gains[2], law, q[2], q_set[2], qd[2], qd_set[2], dt_s)
+    law_1, u_1, boosted_1 = link_step(on[0], laws[0], gains[0], law, q[0], q_set[0], qd[0], qd_set[0], load_nm[0], dt_s)
+    law_2, u_2, boosted_2 = link_step(on[1], laws[1], gains[1], law, q[1], q_set[1], qd[1], qd_set[1], load_nm[1], dt_s)
+    law_3, u_3, boosted_3 = link_step(on[2], laws[2], gains[2], law, q[2], q_set[2], qd[2], qd_set[2], load_nm[2], dt_s)
     current_a = (u_1, u_2, u_3)
     return Actuation((law_1, law_2, law_3), current_a, (boosted_1, boosted_2, boosted_3), shaped_codes(params, current_a, sample))
 
@@ -184,7 +203,13 @@ def control_step(
         ready = judge_ready(params, trial, table, q, pitch_rad)
     window = push(memory.window, sample.time_ns, q, wanted.q_rad)
     qd, qd_set = velocities(window)
-    made = apply_laws(params, memory.laws, sample, q, wanted.q_rad, qd, qd_set, dt_s) if running else unload(params, sample)
+    if running:
+        load_nm = joint_loads(
+            params.geometry, q, pitch_rad, params.impedance.force_axis, params.impedance.force_sign * force.mean_n
+        )
+        made = apply_laws(params, memory.laws, sample, q, wanted.q_rad, qd, qd_set, load_nm, dt_s)
+    else:
+        made = unload(params, sample)
     thought = ControllerState(
         number=sample.number,
         tick=sample.tick,
