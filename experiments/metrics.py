@@ -24,8 +24,10 @@ from experiments.motion import (
     peak_to_peak_counts,
     period_s,
     retreat,
+    rms_deviation,
     settling_time_s,
 )
+from experiments.noise import setpoint_noise
 from experiments.signals import AXES, CHANNELS, LINKS, ChannelName
 from experiments.trace import Trace
 from experiments.tracking import (
@@ -74,6 +76,8 @@ MetricName = Literal[
     "maximum",
     "minimum",
     "max_deviation",
+    "rms_deviation",
+    "setpoint_noise",
     "max_modification",
     "departure",
     "mean_lag",
@@ -131,6 +135,8 @@ METRICS: dict[MetricName, Metric] = {
     "maximum": Metric(maximum, "channel", CHANNELS),
     "minimum": Metric(minimum, "channel", CHANNELS),
     "max_deviation": Metric(max_deviation, "length", AXES),
+    "rms_deviation": Metric(rms_deviation, "length", AXES),
+    "setpoint_noise": Metric(setpoint_noise, "length", AXES),
     "max_modification": Metric(max_modification, "length", AXES),
     "departure": Metric(departure, "length", AXES),
     "mean_lag": Metric(mean_lag, "length", AXES),

@@ -2,7 +2,7 @@
 
 import numpy as np
 
-from experiments.signals import NAN, ChannelName, alternations, count_size, final_value, measured, moves, nominal, set_point
+from experiments.signals import NAN, ChannelName, alternations, count_size, final_value, measured, moves, nominal, rms, set_point
 from experiments.trace import Reals, Trace
 
 MOTION_COUNTS = 1.5  # a link has moved at the second count: the first may be the edge of a step
@@ -98,6 +98,11 @@ def first_motion_s(trace: Trace, channel: ChannelName) -> float:
 def max_deviation(trace: Trace, channel: ChannelName) -> float:
     """Largest distance of an axis from its nominal trajectory."""
     return float(np.max(np.abs(measured(trace, channel) - nominal(trace, channel))))
+
+
+def rms_deviation(trace: Trace, channel: ChannelName) -> float:
+    """Root mean square distance of an axis from its nominal trajectory."""
+    return rms(measured(trace, channel) - nominal(trace, channel))
 
 
 def max_modification(trace: Trace, channel: ChannelName) -> float:

@@ -106,6 +106,87 @@ DEVIATIONS: tuple[Deviation, ...] = (
         "with k as fast as its gain rises, so the loop at its crossover hardly changes: linearly every k is stable, with less "
         "margin at small k. The cycles of chapter 7 come from dry friction and resolution, as its section 7.1 says.",
     ),
+    Deviation(
+        (("rest-50kg", "The control does not bang"), ("rest-50kg", "The link rests within two counts")),
+        "50 kg is the border that the text names: in a few seeds a burst of noise asks for more than the dead zone.",
+    ),
+    Deviation(
+        (("rest-10kg-filtered", "The control does not bang"), ("rest-10kg-filtered", "The link rests within two counts")),
+        "In one seed of eight the slow part of the noise, below 0.7 Hz, once asks for more than the dead zone; the jump out of "
+        "stiction that answers it is three counts. Unfiltered the same target bangs 39 times.",
+    ),
+    Deviation(
+        (
+            ("circle-soft-10kg", "The plate is struck once, without bouncing"),
+            ("circle-soft-10kg-filtered", "The plate is struck once, without bouncing"),
+            ("circle-stiff-20kg-filtered", "The plate is struck once, without bouncing"),
+            ("circle-stiff-10kg-filtered", "The plate is struck once, without bouncing"),
+        ),
+        "The filter removes the noise, not the 60 ms by which the position controller lags. On its plate a target of 10 kg turns "
+        "at 27 (soft) and 51 rad/s (stiff), so that lag alone takes 90 deg and more, filtered or not. Single strikes need 20 kg "
+        "on the soft plate and 45 kg on the stiff one.",
+    ),
+    Deviation(
+        (("circle-soft-10kg", "The circle is matched in free space"),),
+        "This trial has no filter: it shows the noise of which 9.3.1 complains.",
+    ),
+    Deviation(
+        (
+            ("circle-stiff-50kg-filtered", "It has died before the plate is struck again"),
+            ("adaptive-limit-switch", "It has died before the plate is struck again"),
+        ),
+        "As in figure 5-11, whose target this is: about one encoder count is left, against a band of two.",
+    ),
+    Deviation(
+        (
+            ("static-stiff-10kg", "The steady force is off by no more than 10.5 %"),
+            ("static-stiff-10kg", "The link rests"),
+            ("static-stiff-10kg", "The control does not swing"),
+            ("static-stiff-10kg", "The control stays below the break-away of 88 mA"),
+        ),
+        "This trial has no filter: the noise moves the valve across its overlap again and again.",
+    ),
+    Deviation(
+        (
+            ("static-stiff-10kg-filtered", "The steady force is off by no more than 10.5 %"),
+            ("static-stiff-10kg-filtered", "The control stays below the break-away of 88 mA"),
+        ),
+        "The target is 87 rad/s fast, far beyond the position controller: the arm rings with the plate until it sticks, anywhere "
+        "in a dead zone of 1 mm, which is 26 N here. On the soft plate the same target holds.",
+    ),
+    Deviation(
+        (("adaptive-stiffness", "The force stays below 100 N"),),
+        "In about one seed of ten it ends at 100 to 102 N. With no stiffness left the damper still presses with 54 N at the "
+        "circle's speed, and a jump out of stiction adds about 40 N, noise included; a stiffness cannot take either away.",
+    ),
+    Deviation(
+        (("adaptive-limit-switch", "The force stays below 100 N"),),
+        "A spring without memory answers a jump out of stiction when it is over, and forgets it before the next. It lowers the "
+        "peaks from 124 to 106 N; stronger stops chatter and raise them again.",
+    ),
+    Deviation(
+        (
+            ("adaptive-stiffness", "The transient is less than 5 cm"),
+            ("adaptive-stiffness", "It has died before the plate is struck again"),
+            ("adaptive-stiffness", "It departs no farther from the circle"),
+            ("adaptive-stiffness", "It is back on the circle as soon"),
+            ("adaptive-offset", "The transient is less than 5 cm"),
+            ("adaptive-offset", "It has died before the plate is struck again"),
+            ("adaptive-offset", "It departs no farther from the circle"),
+            ("adaptive-offset", "It is back on the circle as soon"),
+        ),
+        "The price of memory: where the circle comes back to the surface, spring or set-point have not come back yet.",
+    ),
+    Deviation(
+        (
+            ("adaptive-stiffness", "Contact is not lost more often"),
+            ("adaptive-offset", "Contact is not lost more often"),
+            ("adaptive-limit-switch", "Contact is not lost more often"),
+            ("adaptive-limit-switch", "It departs no farther from the circle"),
+            ("adaptive-limit-switch", "The control reverses no more often in contact"),
+        ),
+        "A lower mean force under jumps of the same size takes the tool off the plate between two of them.",
+    ),
 )
 _WHY = {key: deviation.why for deviation in DEVIATIONS for key in deviation.of}
 
