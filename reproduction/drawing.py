@@ -20,6 +20,13 @@ INK = "#808081"  # stands for the page's own colour of text; any grey that no cu
 GRID = "#8080804d"
 
 
+class Drawing(NamedTuple):
+    """An SVG element and what it is called."""
+
+    title: str
+    svg: str
+
+
 class Style(NamedTuple):
     """How a curve is drawn: colours that can be told apart on white and on black."""
 

@@ -5,7 +5,7 @@ from typing import NamedTuple
 
 from experiments.library import catalogue, find
 from experiments.study import Study
-from reproduction.drawing import svg
+from reproduction.drawing import Drawing, svg
 from reproduction.panels import Picture, computed, pictures
 from reproduction.plan import Figure, Group, find_figure
 from reproduction.play import Found, Played, judge_figure, play, simulated_s
@@ -33,7 +33,7 @@ class Done(NamedTuple):
 
     job: Job
     found: tuple[Found, ...]
-    drawn: dict[str, tuple[str, ...]]  # figure -> SVG
+    drawn: dict[str, tuple[Drawing, ...]]  # by figure
 
 
 def jobs(groups: Iterable[Group], seeds: int) -> tuple[Job, ...]:
@@ -64,8 +64,9 @@ def judged(job: Job, played: Mapping[str, Played]) -> Done:
     return Done(job, tuple(seen._replace(panels=()) for seen in found), drawn)
 
 
-def _drawn(figure: Figure, played: Mapping[str, Played], seen: Found) -> tuple[str, ...]:
-    return tuple(svg(picture, f"{figure.name}-{number}") for number, picture in enumerate(_pictures(figure, played, seen)))
+def _drawn(figure: Figure, played: Mapping[str, Played], seen: Found) -> tuple[Drawing, ...]:
+    made = enumerate(_pictures(figure, played, seen))
+    return tuple(Drawing(picture.title, svg(picture, f"{figure.name}-{number}")) for number, picture in made)
 
 
 def _pictures(figure: Figure, played: Mapping[str, Played], seen: Found) -> tuple[Picture, ...]:

@@ -22,6 +22,7 @@ def page(report: Report) -> str:
         rows=[*report.counts, report.total],
         enough=ENOUGH_PERCENT,
         chapters=[(CHAPTERS[chapter], list(results)) for chapter, results in by_chapter],
+        present={made.figure.name for made in report.results},
         failures=failures(report.results),
         compared=[(r.figure, one) for r in report.results for one in r.tallies if isinstance(one.claim, PairClaim)],
         heading=heading,

@@ -37,10 +37,10 @@ def pictures(experiment: Experiment, trace: Trace) -> tuple[Picture, ...]:
     """The plots of one trial."""
     if experiment.controller.target == "joint":
         return (Picture("", joint_history(experiment, trace)),)
-    history = Picture("History", tip_history(experiment, trace))
+    history = Picture("History plot", tip_history(experiment, trace))
     moved = {segment.channel for segment in experiment.reference}
     if {"x", "z"} <= moved:
-        return (Picture("Motion", (path(experiment, trace),), plane=True), history)
+        return (Picture("Motion plot", (path(experiment, trace),), plane=True), history)
     return (history._replace(title=""),)
 
 

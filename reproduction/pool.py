@@ -18,6 +18,24 @@ class LostWorkerError(Exception):
     """A process of the pool has ended by itself: out of memory, or killed."""
 
 
+@contextmanager
+def _deaf() -> Iterator[None]:
+    """Spawn processes that Ctrl-C does not reach: the terminal sends it to all, the one that started them decides.
+
+    They inherit the blocked signal. Here it may arrive in another thread all the same, so it is remembered, and raised after.
+    """
+    heard: list[int] = []
+    handler = signal.signal(signal.SIGINT, lambda number, _: heard.append(number))
+    mask = signal.pthread_sigmask(signal.SIG_BLOCK, {signal.SIGINT})
+    try:
+        yield
+    finally:
+        signal.pthread_sigmask(signal.SIG_SETMASK, mask)
+        signal.signal(signal.SIGINT, handler)
+    if heard:
+        raise KeyboardInterrupt
+
+
 class Pool:
     """Processes that are spawned when there is work for them."""
 
@@ -29,15 +47,9 @@ class Pool:
     def submit(
         self, function: Callable[Arguments, Answer], *arguments: Arguments.args, **named: Arguments.kwargs
     ) -> Future[Answer]:
-        """Let a process do it.
-
-        Ctrl-C reaches every process of the terminal, but the one that started the pool decides: the others are born deaf.
-        """
-        mask = signal.pthread_sigmask(signal.SIG_BLOCK, {signal.SIGINT})
-        try:
+        """Let a process do it, which may have to be spawned first."""
+        with _deaf():
             return self._executor.submit(function, *arguments, **named)
-        finally:
-            signal.pthread_sigmask(signal.SIG_SETMASK, mask)
 
     def run(self, jobs: Sequence[Job]) -> Iterator[Done]:
         """What each job found, as it comes. Raises BrokenProcessPool."""

@@ -44,7 +44,7 @@ class Report(NamedTuple):
 def gathered(figures: tuple[Figure, ...], done: list[Done]) -> tuple[Result, ...]:
     """What all jobs found, figure by figure, seeds in their order."""
     ordered = sorted(done, key=lambda made: made.job.seed)
-    drawn = {name: svgs for made in ordered for name, svgs in made.drawn.items()}
+    drawn = {name: drawings for made in ordered for name, drawings in made.drawn.items()}
     return tuple(
         result(
             figure,

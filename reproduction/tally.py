@@ -7,6 +7,7 @@ from typing import NamedTuple
 import numpy as np
 
 from experiments.claims import Stated, Verdict
+from reproduction.drawing import Drawing
 from reproduction.explanations import explanation
 from reproduction.plan import CHAPTERS, Figure
 from reproduction.play import Found
@@ -53,7 +54,7 @@ class Result(NamedTuple):
 
     figure: Figure
     tallies: tuple[Tally, ...]
-    pictures: tuple[str, ...]  # SVG, of the first seed
+    drawings: tuple[Drawing, ...]  # of the first seed
     tripped: tuple[str, ...]
     gaps: tuple[str, ...]
 
@@ -85,7 +86,7 @@ def tally(verdicts: Sequence[Verdict]) -> Tally:
     return Tally(verdicts[0].claim, tuple(float(v.measured) for v in verdicts), sum(bool(v.holds) for v in verdicts))
 
 
-def result(figure: Figure, found: Sequence[tuple[int, Found]], pictures: tuple[str, ...]) -> Result:
+def result(figure: Figure, found: Sequence[tuple[int, Found]], drawings: tuple[Drawing, ...]) -> Result:
     """`found` holds what each seed shows; a figure computed from no trial is the same in all and counts once."""
     by_statement: dict[str, list[Verdict]] = {}
     for _, seen in found:
@@ -93,7 +94,7 @@ def result(figure: Figure, found: Sequence[tuple[int, Found]], pictures: tuple[s
             by_statement.setdefault(verdict.claim.statement, []).append(verdict)
     tripped = tuple(f"seed {seed}: {seen.tripped}" for seed, seen in found if seen.tripped)
     gaps = tuple(f"seed {seed}: {seen.gap}" for seed, seen in found if seen.gap)
-    return Result(figure, tuple(tally(verdicts) for verdicts in by_statement.values()), pictures, tripped, gaps)
+    return Result(figure, tuple(tally(verdicts) for verdicts in by_statement.values()), drawings, tripped, gaps)
 
 
 def counts(results: Iterable[Result]) -> tuple[Count, ...]:

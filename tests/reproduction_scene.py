@@ -3,6 +3,7 @@
 from experiments.claims import Verdict, verdict
 from experiments.library import find
 from experiments.study import Statement
+from reproduction.drawing import Drawing
 from reproduction.plan import find_figure
 from reproduction.play import Found
 from reproduction.report import Report
@@ -11,7 +12,7 @@ from reproduction.tally import Result, result
 SEEDS = 20
 TRIAL, COMPUTED = find_figure("fig-5-9"), find_figure("fig-6-4")
 CLAIM = find("fig-5-9").claims[0]  # below 160 N
-PICTURE = '<svg viewBox="0 0 1 1"><path d="M 0 0L 1 1"/></svg>'
+SVG = '<svg viewBox="0 0 1 1"><path d="M 0 0L 1 1"/></svg>'
 
 
 def verdicts(held: int, seeds: int = SEEDS) -> list[Verdict]:
@@ -21,12 +22,12 @@ def verdicts(held: int, seeds: int = SEEDS) -> list[Verdict]:
 
 def trial(held: int, seeds: int = SEEDS, tripped: str = "", gap: str = "") -> Result:
     found = [(seed, Found(TRIAL.name, (v,), (), tripped, gap)) for seed, v in enumerate(verdicts(held, seeds))]
-    return result(TRIAL, found, (PICTURE, PICTURE))
+    return result(TRIAL, found, (Drawing("Motion plot", SVG), Drawing("", SVG)))
 
 
 def computed() -> Result:
     stated = Statement("a < b & c", "within", "mm", 1.0, 2.0, 'thesis 6.2.1: "<sic>"')
-    return result(COMPUTED, [(0, Found(COMPUTED.name, (verdict(stated, 1.5),)))], (PICTURE,))
+    return result(COMPUTED, [(0, Found(COMPUTED.name, (verdict(stated, 1.5),)))], (Drawing("", SVG),))
 
 
 def report(*results: Result) -> Report:

@@ -5,7 +5,7 @@ import re
 from html.parser import HTMLParser
 from xml.etree import ElementTree
 
-from reproduction_scene import CLAIM, PICTURE, computed, report, trial
+from reproduction_scene import CLAIM, SVG, computed, report, trial
 
 from experiments.claims import verdict
 from reproduction.page import heading, page
@@ -84,10 +84,19 @@ def test_a_trip_and_a_gap_are_shown_as_no_verdict():
 
 def test_pictures_and_parameters_stand_beside_the_claims():
     made = page(report(trial(20)))
-    assert made.count(PICTURE) == 2
+    assert made.count(SVG) == 2 and made.count("<figcaption>Motion plot</figcaption>") == 1
     assert "controller.impedance.stiffness_n_per_m = 1000.0" in made
     assert "hydrohil show fig-5-9 --toml" in made
     assert CLAIM.statement in made
+
+
+def test_a_trial_that_is_set_against_is_no_link_where_it_is_not_on_the_page():
+    figure = find_figure("fig-4-2")
+    found = Found(figure.name, tuple(verdict(claim, 9.0) for claim in figure.pairs))
+    made, tags = page(report(result(figure, [(0, found)], ()))), Tags()
+    tags.feed(made)
+    assert "against fig-4-21" in made
+    assert all(target.removeprefix("#") in tags.ids for target in tags.targets)
 
 
 def test_a_figure_is_headed_by_all_its_numbers():

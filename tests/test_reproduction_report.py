@@ -1,9 +1,10 @@
 import json
 import math
 
-from reproduction_scene import CLAIM, computed, report, trial
+from reproduction_scene import CLAIM, SVG, computed, report, trial
 
 from experiments.claims import verdict
+from reproduction.drawing import Drawing
 from reproduction.jobs import Done, Job
 from reproduction.plan import Group, choose
 from reproduction.play import Found
@@ -31,13 +32,13 @@ def test_seeds_come_in_their_order_however_they_end():
         Done(
             Job(group, seed, seed == 0),
             (Found("fig-5-9", (verdict(CLAIM, float(seed)),)),),
-            {"fig-5-9": ("svg",)} if not seed else {},
+            {"fig-5-9": (Drawing("", SVG),)} if not seed else {},
         )
         for seed in (2, 0, 1)
     ]
     (made,) = gathered((figure,), done)
     assert made.tallies[0].measured == (0.0, 1.0, 2.0)
-    assert made.pictures == ("svg",)
+    assert made.drawings == (Drawing("", SVG),)
 
 
 def test_the_machine_names_its_python():

@@ -4,6 +4,7 @@ import pytest
 from reproduction_scene import CLAIM, computed, trial, verdicts
 
 from experiments.claims import verdict
+from experiments.study import Statement
 from reproduction.tally import tally
 from reproduction.words import duration, measured, number, stated
 from reproduction.words import verdict as verdict_words
@@ -23,6 +24,8 @@ def test_what_is_not_determined_is_said():
 def test_the_band_is_stated_with_its_unit():
     assert stated(tally(verdicts(1, 1))) == "below 160 N"
     assert stated(computed().tallies[0]) == "within 1..2 mm"
+    once = Statement("Once", "within", "counts", 1.0, 1.0)
+    assert stated(tally([verdict(once, 1.0)])) == "exactly 1 counts"
 
 
 def test_a_verdict_over_seeds_says_in_how_many():

@@ -86,7 +86,7 @@ def _usable(clock: str, wanted: list[str], chosen: "tuple[Figure, ...]", seeds: 
     takes = duration(seeds * simulated_s([find(name) for name in sorted(trials)]))
     if not wanted:
         raise fail(f"--clock {clock}: {len(trials)} trials take {takes} at real speed: choose some with --only", EXIT_USAGE)
-    console.print(f"{len(trials)} trials, {seeds} seeds: {takes} at real speed", highlight=False)
+    console.print(f"clock {clock}: {takes} at real speed; trials: {len(trials)}, seeds: {seeds}", highlight=False)
 
 
 def _folder_of(path: Path | None) -> None:
