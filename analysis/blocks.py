@@ -3,6 +3,7 @@
 Products of blocks are taken frequency by frequency: as polynomials of order ten they would lose their digits.
 """
 
+import math
 from typing import Any, NamedTuple
 
 import control
@@ -26,6 +27,8 @@ class Blocks(NamedTuple):
     model_f: control.TransferFunction  # M_F, m/N
     robot_x: control.TransferFunction  # R_X, m/N
     robot_f: control.TransferFunction  # R_F
+    gauge: control.TransferFunction  # filter of the gauge's reading, 1 without one
+    felt_x: control.TransferFunction  # what returns of X: 1, or 1 + M_X where the target feels X (6.2.2)
     force_gain: float
 
 
@@ -48,9 +51,15 @@ def transport(c: Position) -> control.TransferFunction:
 
 
 def target_blocks(m: Target) -> tuple[control.TransferFunction, control.TransferFunction]:
-    """M_X = (c s + k) / (m s^2 + c s + k),  M_F = 1 / (m s^2 + c s + k)."""
-    below = [m.mass_kg, m.damping_ns_per_m, m.stiffness_n_per_m]
+    """M_X = (c s + k) / (m s^2 + c s + k),  M_F = 1 / (m s^2 + c s + k);  over m s^2 where the target feels X (6.2.2 b)."""
+    below = [m.mass_kg, 0.0, 0.0] if m.feels_measured else [m.mass_kg, m.damping_ns_per_m, m.stiffness_n_per_m]
     return control.tf([m.damping_ns_per_m, m.stiffness_n_per_m], below), control.tf([1.0], below)
+
+
+def gauge_block(m: Target) -> control.TransferFunction:
+    """w^2 / (s^2 + sqrt(2) w s + w^2), or 1."""
+    w = m.filter_rad_per_s
+    return control.tf([w * w], [1.0, math.sqrt(2.0) * w, w * w]) if w > 0.0 else control.tf([1.0], [1.0])
 
 
 def arm_polynomials(a: Arm) -> tuple[Reals, Reals, Reals]:
@@ -87,6 +96,8 @@ def blocks(model: LinearModel) -> Blocks:
         model_f,
         control.tf(above_x, below),
         control.tf(above_f, below),
+        gauge_block(model.target),
+        1.0 + model_x if model.target.feels_measured else control.tf([1.0], [1.0]),
         model.target.force_gain,
     )
 
@@ -103,11 +114,14 @@ class Responses(NamedTuple):
 
 
 def responses(b: Blocks, angular_rad_per_s: Reals) -> Responses:
-    """The closed loop of 3.2.1,  X = R_X A C (M_X X_d + M_F F_d) / (1 + L)  and  F = R_F A C (...) / (1 + L)."""
+    """The closed loop of 3.2.1,  X = R_X A C (M_X X_d + M_F F_d) / (1 + L)  and  F = R_F A C (...) / (1 + L).
+
+    A filter of the gauge stands with M_F in the loop, and 1 + M_X with C where the target feels X.
+    """
     s = 1j * angular_rad_per_s
-    a, q, c, m_x, m_f, r_x, r_f = (np.asarray(block(s)) for block in b[:7])
-    loop = r_f * a * c * m_f + r_x * a * (c + q)
+    a, q, c, m_x, m_f, r_x, r_f, h, felt = (np.asarray(block(s)) for block in b[:9])
+    loop = r_f * a * c * m_f * h + r_x * a * (c * felt + q)
     x, f = r_x * a * c / (1.0 + loop), r_f * a * c / (1.0 + loop)
-    valve_loop = c * a * (r_x + m_f * r_f) / (1.0 + r_x * a * q)
+    valve_loop = c * a * (r_x * felt + m_f * r_f * h) / (1.0 + r_x * a * q)
     gain = b.force_gain
     return Responses(loop, valve_loop, x * m_x, x * m_f * gain, f * m_x, f * m_f * gain)

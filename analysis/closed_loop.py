@@ -10,8 +10,8 @@ from typing import NamedTuple
 import control
 import numpy as np
 
-from analysis.blocks import Complexes, arm_polynomials, blocks, responses, transport
-from analysis.linear import LinearModel
+from analysis.blocks import Complexes, arm_polynomials, blocks, gauge_block, responses, transport
+from analysis.linear import LinearModel, Target
 from experiments.trace import Reals
 from shared.units import RAD_PER_DEG
 
@@ -48,17 +48,7 @@ class Steady(NamedTuple):
 
 def closed_loop(model: LinearModel) -> control.StateSpace:
     """(X_d, F_d) -> (X, F, U): the diagram of Figures 3-4 to 3-10."""
-    m, a, p = model.target, model.actuator, model.position
-    kick, stiff = m.damping_ns_per_m / m.mass_kg, m.stiffness_n_per_m / m.mass_kg
-    impedance = control.ss(  # states x_s and x_s' - c/m x_d
-        [[0.0, 1.0], [-stiff, -kick]],
-        [[kick, 0.0, 0.0], [stiff - kick * kick, m.force_gain / m.mass_kg, -1.0 / m.mass_kg]],
-        [[1.0, 0.0]],
-        [[0.0, 0.0, 0.0]],
-        inputs=["X_d", "F_d", "F"],
-        outputs=["X_s"],
-        name="impedance",
-    )
+    a, p = model.actuator, model.position
     law = control.ss(
         [[0.0]],
         [[p.integral_a_per_m_s, -p.integral_a_per_m_s]],
@@ -78,8 +68,24 @@ def closed_loop(model: LinearModel) -> control.StateSpace:
         outputs=["T"],
         name="valve",
     )
-    parts = [impedance, law, path, valve, arm_states(model)]
+    parts = [target_states(model.target), gauge_states(model.target), law, path, valve, arm_states(model)]
     return control.interconnect(parts, inputs=["X_d", "F_d"], outputs=["X", "F", "U"])
+
+
+def target_states(m: Target) -> control.StateSpace:
+    """(X_d, F_d, F_seen, X) -> X_s, with states x_s and x_s' - c/m x_d (or x_d - x), so that no input is differentiated."""
+    kick, stiff = m.damping_ns_per_m / m.mass_kg, m.stiffness_n_per_m / m.mass_kg
+    push = [m.force_gain / m.mass_kg, -1.0 / m.mass_kg]
+    states, drive = [[0.0, 1.0], [-stiff, -kick]], [[kick, 0.0, 0.0, 0.0], [stiff - kick * kick, *push, 0.0]]
+    if m.feels_measured:
+        states, drive = [[0.0, 1.0], [0.0, 0.0]], [[kick, 0.0, 0.0, -kick], [stiff, *push, -stiff]]
+    names = ["X_d", "F_d", "F_seen", "X"]
+    return control.ss(states, drive, [[1.0, 0.0]], np.zeros((1, 4)), inputs=names, outputs=["X_s"], name="impedance")
+
+
+def gauge_states(m: Target) -> control.StateSpace:
+    """F -> F_seen."""
+    return control.ss(control.tf2ss(gauge_block(m)), inputs=["F"], outputs=["F_seen"], name="gauge")
 
 
 def arm_states(model: LinearModel) -> control.StateSpace:

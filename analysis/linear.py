@@ -4,6 +4,7 @@ The tool moves along the gauge's axis by one link at a lever r: link 2 on the pl
 X is positive towards the environment, F its push back, T the actuator's force at the tip: all in m and N.
 """
 
+import math
 from typing import NamedTuple
 
 from experiments.experiment import Experiment
@@ -58,6 +59,8 @@ class Target(NamedTuple):
     damping_ns_per_m: float
     stiffness_n_per_m: float
     force_gain: float
+    feels_measured: bool = False  # damper and spring feel X, not X_s: the alternate formulation (b) of 6.2.2
+    filter_rad_per_s: float = 0.0  # second-order Butterworth on the gauge (9.3.1); 0 = none
 
 
 class Position(NamedTuple):
@@ -134,11 +137,14 @@ def arm(plant: PlantConfig, index: int, lever_m: float) -> Arm:
 
 
 def target(config: ControllerConfig) -> Target:
-    """c = 2 xi sqrt(m k) with the xi that the controller uses."""
-    params = impedance_params(config.impedance, 2, 1.0)
+    """c = 2 xi sqrt(m k) with the xi that the controller uses. The mean of three readings, 4.5 ms late, is left out."""
+    impedance = config.impedance
+    cutoff = 0.0 if impedance.force_filter == "mean" else 2.0 * math.pi * impedance.force_cutoff_hz
+    params = impedance_params(impedance, 2, 1.0)
     k = params.stiffness_n_per_m
     m = k / (params.natural_frequency_rad_per_s * params.natural_frequency_rad_per_s)
-    return Target(m, 2.0 * params.damping_ratio * params.natural_frequency_rad_per_s * m, k, params.force_gain)
+    c = 2.0 * params.damping_ratio * params.natural_frequency_rad_per_s * m
+    return Target(m, c, k, params.force_gain, impedance.formulation == "measured", cutoff)
 
 
 def position(gains: LinkGains, law: str, plant: PlantConfig, link: LinkParams, lever_m: float) -> Position:

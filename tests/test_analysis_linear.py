@@ -23,10 +23,17 @@ EFFECTIVE = 7208.0 * 46e3 / (7208.0 + 46e3)
 FAST = OperatingPoint(0.250)
 
 
+def changed(name, **impedance):
+    """A shipped experiment with other fields of its target impedance."""
+    controller = find(name).controller
+    return find(name)._replace(controller=controller._replace(impedance=controller.impedance._replace(**impedance)))
+
+
 @pytest.mark.parametrize("name", NAMES)
 @pytest.mark.parametrize("spool_a", [0.100, 0.250])
-def test_state_space_and_the_formulae_of_the_thesis_are_one_system(name, spool_a):
-    model = linear_model(find(name), OperatingPoint(spool_a))
+@pytest.mark.parametrize("impedance", [{}, {"formulation": "measured"}, {"force_filter": "butterworth", "force_cutoff_hz": 3.0}])
+def test_state_space_and_the_formulae_of_the_thesis_are_one_system(name, spool_a, impedance):
+    model = linear_model(changed(name, **impedance), OperatingPoint(spool_a))
     angular = np.array([0.01, 0.3, 2.0, 9.0, 40.0, 200.0])
     seen, states = responses(blocks(model), angular), closed_loop(model)(1j * angular)
     for row, column, want in ((0, 0, seen.x_per_x_d), (0, 1, seen.x_per_f_d), (1, 0, seen.f_per_x_d), (1, 1, seen.f_per_f_d)):
@@ -77,6 +84,19 @@ def test_at_rest_springs_share_the_load():
     plain = model._replace(target=model.target._replace(force_gain=1.0))
     assert steady(plain).f_per_f_d == pytest.approx(EFFECTIVE / (50e3 + EFFECTIVE))
     assert steady(model).f_per_f_d == pytest.approx(EFFECTIVE / (50e3 + EFFECTIVE) * (50e3 + 6200.0) / 6200.0)
+
+
+def test_at_rest_neither_filter_nor_formulation_changes_the_share():
+    want = steady(linear_model(find("fig-5-5"), FAST)).f_per_f_d
+    for impedance in ({"formulation": "measured"}, {"force_filter": "butterworth"}, {"force_filter": "bounded"}):
+        assert steady(linear_model(changed("fig-5-5", **impedance), FAST)).f_per_f_d == pytest.approx(want)
+
+
+def test_the_alternate_formulations_model_integrates_twice_where_the_first_ends():
+    """thesis 6.2.2: (M_X + 1) H + M_F has no finite steady state."""
+    first, alternate = (blocks(linear_model(changed("fig-5-5", formulation=f))) for f in ("setpoint", "measured"))
+    assert abs(first.model_f(1e-4j)) == pytest.approx(1.0 / 50e3, rel=1e-3)
+    assert abs(alternate.model_f(1e-4j)) == pytest.approx(1.0 / (500.0 * 1e-8))
 
 
 def test_in_free_space_the_target_impedance_is_a_pole_of_the_whole():
