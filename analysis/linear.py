@@ -137,7 +137,11 @@ def arm(plant: PlantConfig, index: int, lever_m: float) -> Arm:
 
 
 def target(config: ControllerConfig) -> Target:
-    """c = 2 xi sqrt(m k) with the xi that the controller uses. The mean of three readings, 4.5 ms late, is left out."""
+    """c = 2 xi sqrt(m k) with the xi that the controller uses. The mean of three readings, 4.5 ms late, is left out.
+
+    A bounded filter is its low-pass as long as the force changes by less than the gauge's noise, and only there: what the
+    model has growing ends at that size.
+    """
     impedance = config.impedance
     cutoff = 0.0 if impedance.force_filter == "mean" else 2.0 * math.pi * impedance.force_cutoff_hz
     params = impedance_params(impedance, 2, 1.0)
