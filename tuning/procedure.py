@@ -1,0 +1,87 @@
+"""The six steps of Appendix C on one link, unattended, and what they are worth on the five patterns."""
+
+import math
+from collections.abc import Callable, Iterator
+from typing import NamedTuple
+
+import numpy as np
+
+from experiments.chapter4 import PATTERNS
+from experiments.experiment import checked
+from services.controller.params import LinkGains
+from tuning import measure
+from tuning.bench import Bench, Step, middle, play
+from tuning.braking import braking
+from tuning.linear import integral, proportional
+from tuning.morse import morse
+from tuning.patterns import pattern, trial
+from tuning.stiction import stiction
+
+STEPS = 6
+
+
+class Worth(NamedTuple):
+    """Median rms error of the final law on one pattern, with two sets of gains; infinite where a trial trips."""
+
+    pattern: str
+    before_rad: float
+    tuned_rad: float
+
+
+class LinkTuning(NamedTuple):
+    """One link's steps; no gains if a step found no acceptable value, which then is the last."""
+
+    link: int
+    steps: tuple[Step, ...]
+    gains: LinkGains | None
+    worth: tuple[Worth, ...]
+
+
+def check_place(bench: Bench) -> None:
+    """Raise ExperimentError if the patterns leave the link's travel."""
+    gains = bench.experiment.controller.gains[bench.link]
+    for name in PATTERNS:
+        made = trial(bench.experiment, bench.link, "final", gains, pattern(name, bench.link, gains), middle(bench))
+        checked(made, f"tune {made.name[len('tune-') :]}")
+
+
+def steps(bench: Bench) -> Iterator[Step]:
+    """Each step as it is done; the last one is the sixth, or the one that found nothing."""
+    gains = bench.experiment.controller.gains[bench.link]
+    procedure: tuple[Callable[[Bench, LinkGains], tuple[Step, ...]], ...] = (
+        lambda at, with_gains: (proportional(at, with_gains),),
+        lambda at, with_gains: (integral(at, with_gains),),
+        morse,
+        lambda at, with_gains: (stiction(at, with_gains),),
+        lambda at, with_gains: (braking(at, with_gains),),
+    )
+    for do in procedure:
+        for step in do(bench, gains):
+            yield step
+            if step.gains is None:
+                return
+            gains = step.gains
+
+
+def worth(bench: Bench, tuned: LinkGains) -> tuple[Worth, ...]:
+    """The final law on the five patterns, with the experiment's own gains and with the tuned ones."""
+    before = bench.experiment.controller.gains[bench.link]
+    return tuple(
+        Worth(name, _error_rad(bench, before, name), _error_rad(bench, tuned, name)) for name in PATTERNS
+    )
+
+
+def _error_rad(bench: Bench, gains: LinkGains, name: str) -> float:
+    traces = play(bench, "final", gains, pattern(name, bench.link, gains))
+    return math.inf if traces is None else float(np.median([measure.rms_error_rad(trace, bench.link) for trace in traces]))
+
+
+def tune_link(bench: Bench, watch: Callable[[Step], None] = lambda step: None) -> LinkTuning:
+    """Tune one link; `watch` is told of every step. Raises ExperimentError if the patterns do not fit into its travel."""
+    check_place(bench)
+    done: list[Step] = []
+    for step in steps(bench):
+        done.append(step)
+        watch(step)
+    gains = done[-1].gains
+    return LinkTuning(bench.link, tuple(done), gains, () if gains is None else worth(bench, gains))
