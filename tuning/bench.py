@@ -9,7 +9,7 @@ from services.controller.params import LinkGains
 from shared.units import A_PER_MA, A_PER_RAD_PER_MA_PER_DEG, RAD_PER_DEG
 from tuning import measure
 from tuning.measure import Ringing, lasting, whole
-from tuning.patterns import Pattern, middle_rad, trial
+from tuning.patterns import Law, Pattern, middle_rad, trial
 
 Run = Callable[[Experiment, int], Trace]  # one trial with the noise of a seed: on the local clock, or in a live cell
 OUT_IN = 2  # the link that slides
@@ -58,7 +58,7 @@ def middle(bench: Bench) -> float:
     return middle_rad(bench.experiment, bench.link, bench.experiment.controller.gains[bench.link])
 
 
-def play(bench: Bench, law: str, gains: LinkGains, wanted: Pattern) -> tuple[Trace, ...] | None:
+def play(bench: Bench, law: Law, gains: LinkGains, wanted: Pattern) -> tuple[Trace, ...] | None:
     """One trace a seed; none if a trial did not run to its end."""
     made = trial(bench.experiment, bench.link, law, gains, wanted, middle(bench))
     traces = []
@@ -88,9 +88,7 @@ def a_per_printed(link: int) -> float:
 def ringing(bench: Bench, traces: tuple[Trace, ...], wanted: Pattern) -> tuple[Ringing, bool]:
     """Ringing in the seed where it lasts longest, and whether it dies away or was never there."""
     least = bench.criteria.ripple_counts
-    worst = max(
-        (measure.ringing(trace, bench.link, wanted, least) for trace in traces), key=lambda ring: lasting(ring, least)
-    )
+    worst = max((measure.ringing(trace, bench.link, wanted, least) for trace in traces), key=lambda ring: lasting(ring, least))
     return worst, lasting(worst, least) <= 1.0
 
 

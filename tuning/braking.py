@@ -84,7 +84,14 @@ def braking_step(bench: Bench, gains: LinkGains, tried: tuple[Braked, ...], best
         "least error on the fastest ramp and the sine, each over its error without braking",
         (f"K_a mA s/{name}", f"ramp rms {name}", f"sine rms {name}", "mean share", f"ramp over {name}", "sine swing"),
         tuple(
-            (o.ka_a_s_per_rad / printed, o.ramp_rad / scale, o.sine_rad / scale, cost(o, tried[0]), o.overshoot_rad / scale, o.swing)
+            (
+                o.ka_a_s_per_rad / printed,
+                o.ramp_rad / scale,
+                o.sine_rad / scale,
+                cost(o, tried[0]),
+                o.overshoot_rad / scale,
+                o.swing,
+            )
             for o in sorted(tried)
         ),
         decision,

@@ -71,12 +71,6 @@ def at(step: Step, number: int, value: float) -> float:
     return float(np.interp(value, column(step, 0), column(step, number)))
 
 
-def failed_above(step: Step) -> tuple[float, ...] | None:
-    """The smallest value tried that failed, with its numbers."""
-    failed = [row for row in step.rows if row[-1] == "no"]
-    return tuple(float(cell) for cell in failed[0][:-1]) if failed else None
-
-
 def why_proportional(step: Step, was: float, name: str, criteria: Criteria) -> str:
     """How far both stay below the ringing."""
     limit = max(float(row[0]) for row in step.rows if row[-1] == "yes")
@@ -93,18 +87,11 @@ def why_linear(step: Step, was: float, name: str, link: int) -> str:
 
 
 def why_integral(step: Step, was: float, name: str) -> str:
-    """Which pattern sets the limit, and what the other value gives."""
-    failed, tried = failed_above(step), column(step, 0)
-    limit = "nothing sets a limit"
-    if failed is not None:
-        value, _, _, late, turns, over, swing = failed
-        limit = (
-            f"at {value:.4g} a pattern suffers (ripple {late:.2f} counts, {turns:.0f} turns at rest, "
-            f"step over by {over:.1f} counts, sine swings {swing:.2f})"
-        )
+    """What sets the limit, and what the other value gives."""
+    tried, limit = column(step, 0), step.decision.partition(": ")[2]
     if not tried[0] <= was <= tried[-1]:
         return limit
-    return f"{limit}; {name}'s would swing the sine {at(step, 6, was):.2f} with a ramp error of {at(step, 1, was):.3g}"
+    return f"{limit}; with {name}'s K_I the sine swings {at(step, 6, was):.2f}, the ramp's error is {at(step, 1, was):.3g}"
 
 
 def why_alpha(step: Step, was: float, name: str) -> str:
@@ -121,9 +108,13 @@ def above_least(ratio: float) -> str:
 
 
 def why_threshold(step: Step, direction: int) -> str:
-    """How much the places differ."""
-    currents = [float(row[2]) for row in step.rows if row[1] == f"{direction:+d}"]
-    return f"measured: {min(currents):.3g} to {max(currents):.3g} over the places; the text does not say how fast its current rose"
+    """What a faster current makes of it."""
+    *slow, fast = [row for row in step.rows if row[2] == f"{direction:+d}"]
+    currents = [float(row[3]) for row in slow]
+    return (
+        f"{min(currents):.1f} to {max(currents):.1f} over the places at {slow[0][1]:g} mA/s, {fast[3]:.1f} at {fast[1]:g}: "
+        "how fast the current rose, the text does not say"
+    )
 
 
 def why_braking(step: Step, was: float, name: str) -> str:

@@ -8,7 +8,8 @@ import numpy as np
 from experiments.trace import Trace
 from services.controller.params import LinkGains
 from tuning import measure
-from tuning.bench import Bench, Step, a_per_printed, play, rad_per_unit, ringing, unit, yes
+from tuning.bench import Bench, Criteria, Step, a_per_printed, play, rad_per_unit, ringing, unit, yes
+from tuning.measure import Ringing, lasting
 from tuning.patterns import Pattern, pattern
 from tuning.search import Found, Tried, largest
 
@@ -32,14 +33,28 @@ def judge_integral(bench: Bench, gains: LinkGains, value: float) -> Tried:
     ramped, stepped, crept, waved = (play(bench, "morse", tried, wanted) for wanted in (ramp, step, small, sine))
     if ramped is None or stepped is None or crept is None or waved is None:
         return Tried(value, False, (math.inf,) * 6)
-    ring, clean = ringing(bench, ramped, ramp)
+    ring, _ = ringing(bench, ramped, ramp)
     rests: tuple[tuple[Pattern, tuple[Trace, ...]], ...] = ((ramp, ramped), (step, stepped), (small, crept))
     turns = max(measure.hunting(trace, link, wanted) for wanted, traces in rests for trace in traces)
     overshoot = max(measure.overshoot_counts(trace, link, step) for trace in stepped)
     swing = max(measure.large_swings(trace, link) for trace in waved)
     error = float(np.median([measure.rms_error_rad(trace, link) for trace in ramped]))
-    quiet = turns <= criteria.hunting and overshoot <= criteria.overshoot_counts and swing <= criteria.swing_ratio
-    return Tried(value, clean and quiet, (error, *ring, float(turns), overshoot, swing))
+    numbers = (error, *ring, float(turns), overshoot, swing)
+    return Tried(value, not suffers(criteria, numbers), numbers)
+
+
+def suffers(criteria: Criteria, numbers: tuple[float, ...]) -> str:
+    """Which pattern suffers, in words; "" if none does."""
+    _, early, late, turns, overshoot, swing = numbers
+    if not math.isfinite(swing):
+        return "a trial trips"
+    if lasting(Ringing(early, late), criteria.ripple_counts) > 1.0:
+        return "the fastest ramp rings on"
+    if turns > criteria.hunting:
+        return f"the link hunts at rest ({turns:.0f} turns)"
+    if overshoot > criteria.overshoot_counts:
+        return f"the small step overshoots by {overshoot:.1f} counts"
+    return f"the sine's large swings overshoot by {swing - 1.0:.1%}" if swing > criteria.swing_ratio else ""
 
 
 def judge_alpha(bench: Bench, gains: LinkGains, alpha: float) -> Tried:
@@ -82,14 +97,21 @@ def tune(bench: Bench, gains: LinkGains) -> Tuned:
     return Tuned(found, tried, None if chosen is None else tuned._replace(alpha_max_rad2_per_s2=chosen.value))
 
 
+def limit(found: Found, best: Tried, criteria: Criteria, printed: float) -> str:
+    """What keeps K_I from being larger, in words."""
+    failed = next((one for one in found.tried if not one.passed), None)
+    if best is not found.largest or failed is None:
+        return "the error of the ramp is least there"
+    return f"the error still falls, but at {failed.value / printed:.4g} {suffers(criteria, failed.numbers)}"
+
+
 def integral_step(bench: Bench, tuned: Tuned) -> Step:
     """Step 3: what was tried for K_I."""
     criteria, printed, scale = bench.criteria, a_per_printed(bench.link), rad_per_unit(bench.link)
     name, best = f"mA/({unit(bench.link)} s)", best_integral(tuned.integral)
     decision = "every K_I that was tried rings, hunts, overshoots or trips"
     if best is not None:
-        why = "least error" if best is not tuned.integral.largest else "error still falls, but the next fails"
-        decision = f"{best.value / printed:.4g} {name}: {why}"
+        decision = f"{best.value / printed:.4g} {name}: {limit(tuned.integral, best, criteria, printed)}"
     return Step(
         3,
         "optimum K_I, modified Morse law",

@@ -1,13 +1,13 @@
 """The five test patterns of chapter 4 for any link: scaled by its fastest set speed, placed in the middle of its travel."""
 
-from typing import NamedTuple
+from typing import Literal, NamedTuple
 
 from experiments.chapter4 import TRAJECTORIES, Trajectory
 from experiments.chapter4 import Pattern as PatternName
 from experiments.claims4 import LARGE_DEG, SMALL_DEG, START_S, THERE_S
 from experiments.experiment import Experiment
 from experiments.signals import LINKS
-from services.controller.config import Segment
+from services.controller.config import AdaptationConfig, ImpedanceConfig, Segment
 from services.controller.params import LinkGains
 from services.plant.params import Environment
 from shared.units import RAD_PER_DEG
@@ -15,7 +15,7 @@ from shared.units import RAD_PER_DEG
 FASTEST_RAD_PER_S = 10.0 * RAD_PER_DEG  # of the patterns in `chapter4`
 SETTLE_S = 0.2  # of a ramp's constant speed that is left to its start
 REST_S = 2.0  # at the end of each half of a pattern the link should stand
-Law = str
+Law = Literal["pi", "morse", "vetia", "final"]
 
 
 class Pattern(NamedTuple):
@@ -76,17 +76,20 @@ def middle_rad(experiment: Experiment, link: int, gains: LinkGains) -> float:
     return 0.5 * (low + high) if low > high else min(max(experiment.plant.initial_q_rad[link], low), high)
 
 
-def shut(gains: LinkGains) -> LinkGains:
-    """Gains that leave a link's valve shut: each link is tuned in isolation (Appendix C)."""
-    return gains._replace(kp_a_per_rad=0.0, ki_a_per_rad_s=0.0, linear_ki_a_per_rad_s=0.0, ka_a_s_per_rad=0.0)
-
-
 def trial(experiment: Experiment, link: int, law: Law, gains: LinkGains, wanted: Pattern, middle: float) -> Experiment:
-    """`experiment`'s plant in free space with one link on `wanted` under `law` and `gains`, the other valves shut."""
-    pose, all_gains = list(experiment.plant.initial_q_rad), [shut(other) for other in experiment.controller.gains]
+    """`experiment`'s plant in free space with one link on `wanted` under `law` and `gains`.
+
+    The other valves stay shut: each link is tuned in isolation (Appendix C).
+    """
+    pose, all_gains = list(experiment.plant.initial_q_rad), list(experiment.controller.gains)
     pose[link], all_gains[link] = middle + wanted.start_rad, gains
     controller = experiment.controller._replace(
-        law=law, target="joint", gains=(all_gains[0], all_gains[1], all_gains[2])
+        law=law,
+        target="joint",
+        acting=(link == 0, link == 1, link == 2),
+        gains=(all_gains[0], all_gains[1], all_gains[2]),
+        impedance=ImpedanceConfig(),
+        adaptation=AdaptationConfig(),
     )
     plant = experiment.plant._replace(environment=Environment(), initial_q_rad=(pose[0], pose[1], pose[2]))
     return experiment._replace(

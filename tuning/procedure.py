@@ -7,6 +7,7 @@ from typing import NamedTuple
 import numpy as np
 
 from experiments.chapter4 import PATTERNS
+from experiments.chapter4 import Pattern as PatternName
 from experiments.experiment import checked
 from services.controller.params import LinkGains
 from tuning import measure
@@ -18,6 +19,13 @@ from tuning.patterns import pattern, trial
 from tuning.stiction import stiction
 
 STEPS = 6
+PROCEDURE: tuple[Callable[[Bench, LinkGains], tuple[Step, ...]], ...] = (
+    lambda bench, gains: (proportional(bench, gains),),
+    lambda bench, gains: (integral(bench, gains),),
+    morse,  # steps 3 and 4
+    lambda bench, gains: (stiction(bench, gains),),
+    lambda bench, gains: (braking(bench, gains),),
+)
 
 
 class Worth(NamedTuple):
@@ -48,14 +56,7 @@ def check_place(bench: Bench) -> None:
 def steps(bench: Bench) -> Iterator[Step]:
     """Each step as it is done; the last one is the sixth, or the one that found nothing."""
     gains = bench.experiment.controller.gains[bench.link]
-    procedure: tuple[Callable[[Bench, LinkGains], tuple[Step, ...]], ...] = (
-        lambda at, with_gains: (proportional(at, with_gains),),
-        lambda at, with_gains: (integral(at, with_gains),),
-        morse,
-        lambda at, with_gains: (stiction(at, with_gains),),
-        lambda at, with_gains: (braking(at, with_gains),),
-    )
-    for do in procedure:
+    for do in PROCEDURE:
         for step in do(bench, gains):
             yield step
             if step.gains is None:
@@ -66,22 +67,20 @@ def steps(bench: Bench) -> Iterator[Step]:
 def worth(bench: Bench, tuned: LinkGains) -> tuple[Worth, ...]:
     """The final law on the five patterns, with the experiment's own gains and with the tuned ones."""
     before = bench.experiment.controller.gains[bench.link]
-    return tuple(
-        Worth(name, _error_rad(bench, before, name), _error_rad(bench, tuned, name)) for name in PATTERNS
-    )
+    return tuple(Worth(name, _error_rad(bench, before, name), _error_rad(bench, tuned, name)) for name in PATTERNS)
 
 
-def _error_rad(bench: Bench, gains: LinkGains, name: str) -> float:
+def _error_rad(bench: Bench, gains: LinkGains, name: PatternName) -> float:
     traces = play(bench, "final", gains, pattern(name, bench.link, gains))
     return math.inf if traces is None else float(np.median([measure.rms_error_rad(trace, bench.link) for trace in traces]))
 
 
-def tune_link(bench: Bench, watch: Callable[[Step], None] = lambda step: None) -> LinkTuning:
+def tune_link(bench: Bench, watch: Callable[[int, Step], None] = lambda link, step: None) -> LinkTuning:
     """Tune one link; `watch` is told of every step. Raises ExperimentError if the patterns do not fit into its travel."""
     check_place(bench)
     done: list[Step] = []
     for step in steps(bench):
         done.append(step)
-        watch(step)
+        watch(bench.link, step)
     gains = done[-1].gains
     return LinkTuning(bench.link, tuple(done), gains, () if gains is None else worth(bench, gains))

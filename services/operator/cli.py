@@ -1,9 +1,25 @@
 """`hydrohil`: the entry point. Each command imports what it needs, so that a service starts fast."""
 
-from services.operator import analysis_commands, cell_commands, experiment_commands, reproduce_command, service_commands
+from services.operator import (
+    analysis_commands,
+    cell_commands,
+    experiment_commands,
+    reproduce_command,
+    service_commands,
+    tune_command,
+)
 from services.operator.options import app
 
-__all__ = ["analysis_commands", "app", "cell_commands", "experiment_commands", "main", "reproduce_command", "service_commands"]
+__all__ = [
+    "analysis_commands",
+    "app",
+    "cell_commands",
+    "experiment_commands",
+    "main",
+    "reproduce_command",
+    "service_commands",
+    "tune_command",
+]
 
 
 def main() -> None:

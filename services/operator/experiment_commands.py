@@ -9,7 +9,7 @@ from typing import Annotated, Any
 
 import typer
 
-from services.operator.options import AsJson, CellName, Port, app, console, fail, service_options
+from services.operator.options import AsJson, CellName, Port, app, console, fail, make_folders, service_options
 from shared.bus import DEFAULT_PORT
 from shared.process import EXIT_TRANSPORT, EXIT_TRIPPED, EXIT_USAGE
 
@@ -88,12 +88,7 @@ def run(
         raise fail(f"--clock is {clock!r}: expected real, lockstep or local", EXIT_USAGE)
     if clock == "local" and rrd is not None:
         raise fail("--rrd needs a cell with a recorder: use --clock lockstep or real (--trace works on every clock)", EXIT_USAGE)
-    for path in (json_file, trace_file, rrd):
-        try:
-            if path is not None:
-                path.parent.mkdir(parents=True, exist_ok=True)
-        except OSError as error:
-            raise fail(f"{path}: its folder cannot be made ({error.strerror}): name another", EXIT_USAGE) from None
+    make_folders(json_file, trace_file, rrd)
     experiment = experiment_of(name, settings)
     place = cells.Place(cell, port)
     wanted = Wanted(experiment, clock, seed, rrd, trace_file, service_options(permit_ttl_ms, realtime=realtime))

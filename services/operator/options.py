@@ -1,10 +1,13 @@
 """What every command of `hydrohil` shares: the application, its consoles, its options."""
 
 import sys
+from pathlib import Path
 from typing import Annotated
 
 import typer
 from rich.console import Console
+
+from shared.process import EXIT_USAGE
 
 app = typer.Typer(
     help="Distributed hardware-in-the-loop rig for force-controlled hydraulic manipulators.",
@@ -25,6 +28,16 @@ def fail(message: object, status: int) -> typer.Exit:
     """One line on stderr; raise what is returned."""
     errors.print(str(message), style="red")
     return typer.Exit(status)
+
+
+def make_folders(*files: Path | None) -> None:
+    """Make the folder of every file that a command will write; exit 2 where that is impossible."""
+    for path in files:
+        try:
+            if path is not None:
+                path.parent.mkdir(parents=True, exist_ok=True)
+        except OSError as error:
+            raise fail(f"{path}: its folder cannot be made ({error.strerror}): name another", EXIT_USAGE) from None
 
 
 def service_options(permit_ttl_ms: float | None, *, realtime: bool) -> dict[str, list[str]]:

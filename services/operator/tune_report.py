@@ -16,6 +16,7 @@ from tuning.bench import Criteria, Step, rad_per_unit, unit
 from tuning.compare import Compared, compare, reference
 from tuning.procedure import LinkTuning
 
+WHOLE_FROM = 1000.0  # numbers from here on are shown without decimals
 LINK_TITLES = ("link 1, left/right", "link 2, down/up", "link 3, out/in")
 
 
@@ -50,24 +51,22 @@ def tuned_experiment(report: TuneReport) -> Experiment:
 
 def cell(value: float | int | str) -> str:
     """A number as people read it; what a trial that tripped does not determine is named so."""
-    if isinstance(value, float):
-        return f"{value:.4g}" if math.isfinite(value) else ("tripped" if value > 0.0 else "-")
-    return str(value)
-
-
-def step_table(step: Step) -> Table:
-    """The evidence of one step."""
-    table = Table(*step.columns, title=f"step {step.number}: {step.title}", caption=step.rule, title_justify="left")
-    for row in step.rows:
-        table.add_row(*(cell(value) for value in row))
-    return table
+    if not isinstance(value, float):
+        return str(value)
+    if not math.isfinite(value):
+        return "tripped" if value > 0.0 else "-"
+    return f"{value:.0f}" if abs(value) >= WHOLE_FROM else f"{value:.4g}"
 
 
 def show_step(console: Console, link: int, step: Step) -> None:
-    """Evidence and decision of one step."""
-    console.print(step_table(step))
+    """Question, evidence and decision of one step."""
+    table = Table(*step.columns)
+    for row in step.rows:
+        table.add_row(*(cell(value) for value in row))
     colour = "red" if step.gains is None else "green"
-    console.print(f"{LINK_TITLES[link]}, step {step.number}: [{colour}]{step.decision}[/]\n", highlight=False)
+    console.print(f"[bold]{LINK_TITLES[link]}, step {step.number}: {step.title}[/]\n{step.rule}", highlight=False)
+    console.print(table)
+    console.print(f"[{colour}]{step.decision}[/]\n", highlight=False)
 
 
 def compared(report: TuneReport, link: LinkTuning) -> tuple[str, tuple[Compared, ...]]:
@@ -87,7 +86,8 @@ def show(console: Console, report: TuneReport) -> None:
             )
             continue
         name, rows = compared(report, link)
-        table = Table("gain", "unit", "tuned", name, "ratio", "why different", title=LINK_TITLES[link.link], title_justify="left")
+        console.print(f"[bold]{LINK_TITLES[link.link]}[/]", highlight=False)
+        table = Table("gain", "unit", "tuned", name, "ratio", "why different")
         for row in rows:
             table.add_row(row.gain, row.unit, cell(row.tuned), cell(row.reference), f"{row.ratio:.2f}", row.why)
         console.print(table)
