@@ -59,7 +59,8 @@ def stiction_step(bench: Bench, gains: LinkGains, tried: tuple[Breakaway, ...]) 
     decision, tuned = f"the link stuck or tripped before {HIGHEST_A / A_PER_MA:g} mA", None
     if math.isfinite(positive + negative):
         decision = f"{positive / A_PER_MA:.3g} mA down or out, {negative / A_PER_MA:.3g} mA up or in"
-        share = gains.boost_below_a / min(gains.boost_positive_a, gains.boost_negative_a)
+        weaker = min(gains.boost_positive_a, gains.boost_negative_a)
+        share = gains.boost_below_a / weaker if weaker > 0.0 else 1.0
         tuned = gains._replace(
             boost_positive_a=positive, boost_negative_a=negative, boost_below_a=share * min(positive, negative)
         )
