@@ -9,7 +9,7 @@ from experiments.claims import Claim
 from experiments.claims5 import BREAK_AWAY_MA
 from experiments.pairs import PairClaim
 
-HALF_S, END_S = 60.0, 120.0
+HALF_S, END_S = 120.0, 240.0
 RESPONSE_S = 20.0  # the response to the step is over, also where it is highly underdamped
 
 _EVENTUAL = (

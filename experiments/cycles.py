@@ -50,9 +50,9 @@ def cycles(trace: Trace, channel: ChannelName) -> float:
 
 
 def cycle_amplitude(trace: Trace, channel: ChannelName) -> float:
-    """Peak to peak of a cycle: median distance between successive turning points after the first departure."""
+    """Peak to peak of a cycle: median distance between successive turning points after the first departure; 0 without any."""
     extremes = [turn.extreme for turn in _turns(trace, channel)[1:]]
-    return float(np.median(np.abs(np.diff(extremes)))) if len(extremes) > 1 else NAN
+    return float(np.median(np.abs(np.diff(extremes)))) if len(extremes) > 1 else 0.0
 
 
 def cycle_period_s(trace: Trace, channel: ChannelName) -> float:
@@ -68,17 +68,22 @@ def cycle_onset_s(trace: Trace, channel: ChannelName) -> float:
 
 
 def pause_ratio(trace: Trace, channel: ChannelName) -> float:
-    """Longest time without a turn, from the second one to the window's end, over the median time between turns."""
+    """Longest time without a turn, from the second one to the window's end, over the median time between turns.
+
+    0 where there is no oscillation that could pause.
+    """
     found, intervals_s = _turns(trace, channel), _intervals_s(trace, channel)[1:]
     if not len(intervals_s):
-        return NAN
+        return 0.0
     last_s = float(trace.t_s[-1] - trace.t_s[found[-1].row])
     return max(last_s, float(np.max(intervals_s))) / float(np.median(intervals_s))
 
 
 def yielding_share(trace: Trace, channel: ChannelName) -> float:
-    """Share of the set-point's travel that leads away from the side of its mean on which the signal stands."""
+    """Share of the set-point's travel that leads away from the side of its mean on which the signal stands; 0 if it rests."""
     seen, steps = measured(trace, channel), np.diff(set_point(trace, channel))
     travel = float(np.sum(np.abs(steps)))
+    if np.ptp(seen) == 0.0 or travel == 0.0:
+        return 0.0
     away = steps * np.sign(seen - np.mean(seen))[:-1] < 0.0
-    return float(np.sum(np.abs(steps[away]))) / travel if travel > 0.0 else NAN
+    return float(np.sum(np.abs(steps[away]))) / travel

@@ -23,6 +23,7 @@ def test_each_trial_has_the_target_of_its_caption_and_no_compensation(name):
     )
     assert impedance_params(impedance, 2, 1.0).force_gain == 1.0
     assert find(name).controller.law == "final"
+    assert find(name).controller.acting == (False, True, False)
 
 
 def test_damping_is_over_critical_below_the_environments_stiffness_and_under_it_at_the_first_stiffness_above():

@@ -46,16 +46,17 @@ def test_one_count_is_no_cycle_and_two_are(counts, found):
 def test_a_link_that_rests_has_no_cycle_and_determines_nothing_of_it():
     trace = square(100.0, 3.0)
     assert cycles.cycles(trace, "q2") == cycles.cycles(standing(5.0), "q2") == 0.0
-    for metric in (cycles.cycle_amplitude, cycles.cycle_period_s, cycles.cycle_onset_s, cycles.pause_ratio):
-        assert math.isnan(metric(trace, "q2"))
-        assert math.isnan(metric(standing(5.0), "q2"))
+    for rests in (trace, standing(5.0)):
+        assert cycles.cycle_amplitude(rests, "q2") == cycles.pause_ratio(rests, "q2") == 0.0
+        assert math.isnan(cycles.cycle_period_s(rests, "q2")) and math.isnan(cycles.cycle_onset_s(rests, "q2"))
 
 
 def test_once_there_and_no_more_is_an_onset_without_a_period():
     trace = square(30.0, 30.0)
     assert cycles.cycle_onset_s(trace, "q2") == pytest.approx(30.0, abs=0.01)
     assert cycles.cycles(trace, "q2") == 0.0
-    assert math.isnan(cycles.cycle_amplitude(trace, "q2"))
+    assert math.isnan(cycles.cycle_period_s(trace, "q2"))
+    assert cycles.cycle_amplitude(trace, "q2") == 0.0
 
 
 def test_a_pause_is_told_amid_the_cycles_and_at_their_end():
@@ -86,4 +87,6 @@ def test_a_set_point_that_flees_the_link_yields_and_one_that_draws_it_does_not()
     for sign, share in ((-1.0, 1.0), (1.0, 0.0)):
         seen = trace._replace(q_set_rad=link(sign * np.concatenate(([0.0], np.cumsum(rate[:-1]))), 2))
         assert cycles.yielding_share(seen, "q2") == pytest.approx(share)
-    assert math.isnan(cycles.yielding_share(trace, "q2"))
+    assert cycles.yielding_share(trace, "q2") == 0.0
+    rests = seen._replace(q_rad=np.full_like(seen.q_rad, 0.1))
+    assert cycles.yielding_share(rests, "q2") == 0.0
