@@ -14,6 +14,8 @@ from pydantic import ConfigDict, StringConstraints, TypeAdapter, ValidationError
 from experiments.claims import Claim, problems
 from experiments.errors import ExperimentError, from_validation
 from services.controller.config import ControllerConfig, Reference, check
+from services.controller.preflight import preflight
+from services.controller.surroundings import surroundings
 from services.plant.config import PlantConfig, latch_substeps
 from services.plant.params import contact_params
 from services.supervisor.config import SupervisorConfig
@@ -76,10 +78,11 @@ def checked(experiment: Experiment, where: str) -> Experiment:
 def _section_problems(experiment: Experiment) -> list[str]:
     """What each service says of fields that are valid one by one but do not fit together."""
     plant, found = experiment.plant, []
+    met = surroundings(to_plain(plant))
     checks: tuple[Callable[[], object], ...] = (
         lambda: latch_substeps(plant),
         lambda: contact_params(plant.environment),
-        lambda: check(experiment.controller, experiment.reference, plant.initial_q_rad, plant.machine.q4_rad),
+        lambda: check(experiment.controller, experiment.reference, plant.initial_q_rad, plant.machine.q4_rad, met),
     )
     for agrees in checks:
         try:
@@ -87,6 +90,11 @@ def _section_problems(experiment: Experiment) -> list[str]:
         except ValueError as reason:
             found.append(str(reason))
     return found
+
+
+def warnings(experiment: Experiment) -> tuple[str, ...]:
+    """What an operator should know before it runs, one line a warning; none of them keeps it from running."""
+    return preflight(experiment.controller, surroundings(to_plain(experiment.plant)))
 
 
 def from_toml(path: Path) -> Experiment:

@@ -33,11 +33,13 @@ from services.controller.params import (
     TIGHT_SLEW_CODES,
     UNIMATE_GAINS,
     AdaptationParams,
+    ApparentParams,
     ControllerParams,
     ImpedanceParams,
     LinkGains,
 )
 from services.controller.reference import CHANNELS, KINDS, Row, reference_deltas
+from services.controller.surroundings import Surroundings, resting_m
 from shared.converters import calibration
 from shared.messages import About
 from shared.pose import UNIMATE_GEOMETRY, Triple, forward
@@ -99,6 +101,8 @@ class ImpedanceConfig(NamedTuple):
     force_filter: Literal["mean", "butterworth", "bounded"] = "mean"  # of the gauge; bounded: within the noise of the reading
     force_cutoff_hz: Annotated[float, Gt(0), Le(100)] = 0.7  # butterworth, bounded: -3 dB
     force_noise_n: Annotated[float, Gt(0), Le(1e3)] = 10.0  # bounded: the gauge's noise (5.1.2)
+    apparent_stiffness_n_per_m: Annotated[float, Gt(0), Le(1e7)] | None = None  # that `stiffness` shows in contact (9.3.2)
+    contact_n: Annotated[float, Ge(0), Le(1e3)] = 10.0  # for it: force that confirms contact; the noise stays below
 
 
 class AdaptationConfig(NamedTuple):
@@ -172,6 +176,13 @@ def adaptation_params(config: AdaptationConfig) -> AdaptationParams:
     return AdaptationParams(ADAPTATIONS[kind], *(float(number) for number in numbers))
 
 
+def apparent_params(config: ImpedanceConfig) -> ApparentParams:
+    """k_- (k_+ + k_eff) / (k_+ (k_- + k_eff)), the share of each step of the nominal position in contact (thesis 9.3.2)."""
+    stiff, soft, k_eff = config.stiffness_n_per_m, config.apparent_stiffness_n_per_m, config.environment_n_per_m
+    share = 1.0 if soft is None else soft * (stiff + k_eff) / (stiff * (soft + k_eff))
+    return ApparentParams(float(share), float(config.contact_n))
+
+
 def controller_params(config: ControllerConfig, about: About, first_tick: int) -> ControllerParams:
     """Kernel parameters for the machine that `about` describes; the trial begins at the negative `first_tick` (0: none)."""
     recover, acting, gains, target = config.recover_current_a, config.acting, config.gains, config.target
@@ -184,6 +195,7 @@ def controller_params(config: ControllerConfig, about: About, first_tick: int) -
         force_cutoff_rad_per_s=force_cutoff_rad_per_s(config.impedance),
         force_noise_n=float(config.impedance.force_noise_n) if config.impedance.force_filter == "bounded" else math.inf,
         adaptation=adaptation_params(config.adaptation),
+        apparent=apparent_params(config.impedance),
         geometry=UNIMATE_GEOMETRY,
         calibration=calibration(about.encoders, about.force),
         sample_period_ns=about.sample_period_ns,
@@ -215,8 +227,13 @@ def segment_table(reference: Reference) -> tuple[Row, ...]:
     return tuple(segment_row(segment) for segment in reference)
 
 
-def check(config: ControllerConfig, reference: Reference, q0_rad: Triple, pitch_rad: float = 0.0) -> None:
-    """Raise ValueError, one line, for a configuration whose fields are each valid but do not fit together."""
+def check(
+    config: ControllerConfig, reference: Reference, q0_rad: Triple, pitch_rad: float = 0.0, met: Surroundings | None = None
+) -> None:
+    """Raise ValueError, one line, for a configuration whose fields are each valid but do not fit together.
+
+    Where it is known what the tool meets, the force set-point must not take it out of the travel either.
+    """
     impedance = config.impedance
     if impedance.setpoint_compensation and impedance.environment_n_per_m <= 0.0:
         raise ValueError("controller.impedance: setpoint_compensation needs environment_n_per_m > 0")
@@ -227,6 +244,7 @@ def check(config: ControllerConfig, reference: Reference, q0_rad: Triple, pitch_
     if not any(config.acting):
         raise ValueError("controller.acting: no link acts; let at least one be true")
     check_adaptation(config)
+    check_apparent(config)
     if config.tight_slew_codes > config.slew_codes:
         raise ValueError(f"controller: tight_slew_codes {config.tight_slew_codes} exceeds slew_codes {config.slew_codes}")
     for index, segment in enumerate(reference):
@@ -234,6 +252,8 @@ def check(config: ControllerConfig, reference: Reference, q0_rad: Triple, pitch_
             raise ValueError(f"reference segment {index} moves {segment.channel}, which controller.acting holds still")
         check_segment(segment, config.target, f"reference segment {index} ({segment.channel}, {segment.kind})")
     check_travel(config, reference, q0_rad, pitch_rad)
+    if met is not None and config.target == "impedance":
+        check_push(config.impedance, reference, q0_rad, pitch_rad, met)
 
 
 def check_measured(config: ControllerConfig) -> None:
@@ -256,6 +276,23 @@ def check_adaptation(config: ControllerConfig) -> None:
     if not adaptation.onset_n < adaptation.ceiling_n:
         wanted = f"onset_n {adaptation.onset_n:g} N must lie below ceiling_n {adaptation.ceiling_n:g} N"
         raise ValueError(f"controller.adaptation: {wanted}")
+
+
+def check_apparent(config: ControllerConfig) -> None:
+    """Raise ValueError for an apparent stiffness that nothing can show."""
+    impedance = config.impedance
+    soft, stiff = impedance.apparent_stiffness_n_per_m, impedance.stiffness_n_per_m
+    if soft is None:
+        return
+    if config.target != "impedance" or impedance.formulation != "setpoint" or config.adaptation.kind != "none":
+        wanted = "target 'impedance', formulation 'setpoint', without adaptation"
+        raise ValueError(f"controller.impedance: apparent_stiffness_n_per_m is of {wanted}; leave it out or choose these")
+    if impedance.environment_n_per_m <= 0.0:
+        raise ValueError("controller.impedance: apparent_stiffness_n_per_m needs environment_n_per_m > 0: give k_eff in N/m")
+    if soft >= stiff:
+        raise ValueError(
+            f"controller.impedance: apparent_stiffness_n_per_m {soft:g} N/m must lie below stiffness_n_per_m {stiff:g} N/m"
+        )
 
 
 def check_segment(segment: Segment, target: str, name: str) -> None:
@@ -284,16 +321,38 @@ def check_travel(config: ControllerConfig, reference: Reference, q0_rad: Triple,
             raise ValueError(f"reference leaves the travel of {clamped_links(clamped)} at {time_s:.2f} s")
 
 
+def check_push(impedance: ImpedanceConfig, reference: Reference, q0_rad: Triple, pitch_rad: float, met: Surroundings) -> None:
+    """Raise ValueError where the force set-point, held, would take the tool out of the travel of a link."""
+    table, k = segment_table(reference), impedance.stiffness_n_per_m
+    x0_m, axis = forward(UNIMATE_GEOMETRY, q0_rad, pitch_rad), met.force_axis
+    gain = impedance_params(impedance, axis, met.force_sign).force_gain
+    for time_s in check_times(reference):
+        deltas = reference_deltas(table, time_s)
+        x_m = [x0_m[i] + deltas[3 + i] for i in range(3)]
+        x_m[axis] = resting_m(met, x0_m[axis], x_m[axis], gain * deltas[6], k)
+        _, clamped = inverse(UNIMATE_GEOMETRY, (x_m[0], x_m[1], x_m[2]), pitch_rad)
+        if clamped:
+            raise ValueError(
+                f"force set-point {gain * deltas[6]:.4g} N on {k:g} N/m takes the tool beyond the travel of "
+                f"{clamped_links(clamped)} at {time_s:.2f} s; lower it or stiffen the target"
+            )
+
+
 def check_times(reference: Reference) -> list[float]:
     """Times after tick 0 at which travel is checked: a grid through every moving segment, and every start and end."""
     ends = {0.0} | {s.start_s for s in reference} | {s.start_s + s.duration_s for s in reference}
-    moving = [s for s in reference if s.kind != "step" and s.channel != "force"]
+    moving = [s for s in reference if s.kind != "step"]
     grid = {s.start_s + i * CHECK_STEP_S for s in moving for i in range(int(s.duration_s / CHECK_STEP_S) + 1)}
     return sorted(ends | grid)
 
 
 def clamped_links(mask: int) -> str:
-    """Names and directions of the links in a clamp mask, e.g. 'down/up (high)'."""
-    limits = [f"{link} ({side})" for link in LINKS for side in ("low", "high")]  # in the order of the mask's bits
+    """Links of a clamp mask and where their travel ends, e.g. 'down/up (high, 0.471 rad)'."""
+    ends = zip(UNIMATE_GEOMETRY.low_rad, UNIMATE_GEOMETRY.high_rad, strict=True)
+    limits = [  # in the order of the mask's bits
+        f"{link} ({side}, {value:.3g} {unit})"
+        for link, unit, both in zip(LINKS, ("rad", "rad", "m"), ends, strict=True)
+        for side, value in zip(("low", "high"), both, strict=True)
+    ]
     names = [limit for bit, limit in enumerate(limits) if mask >> bit & 1]
     return ", ".join(names) or "every link (too near the shoulder)"

@@ -102,6 +102,13 @@ class ImpedanceParams(NamedTuple):
     formulation: int = FORMULATION_SETPOINT
 
 
+class ApparentParams(NamedTuple):
+    """Set-point compensation for position: what a stiff target's nominal position does of each step while in contact."""
+
+    share: float = 1.0  # 1 = all of it, no compensation
+    contact_n: float = 0.0  # above it the gauge confirms contact
+
+
 class AdaptationParams(NamedTuple):
     """How the target gives way between an onset and a ceiling of the contact force."""
 
@@ -125,6 +132,7 @@ class ControllerParams(NamedTuple):
     force_cutoff_rad_per_s: float  # of the low-pass on the gauge; 0 = mean of three samples
     force_noise_n: float  # how far the low-pass may be off the reading
     adaptation: AdaptationParams
+    apparent: ApparentParams
     geometry: Geometry
     calibration: Calibration
     sample_period_ns: int  # nominal; only fills the regression before the first samples

@@ -7,7 +7,9 @@ from collections.abc import Callable
 from typing import Any
 
 from services.controller.config import ControllerConfig, Reference, check, controller_params, segment_table
+from services.controller.preflight import preflight
 from services.controller.step import control_start, control_step
+from services.controller.surroundings import surroundings
 from shared.bus import Bus, Request, Run
 from shared.codec import Received
 from shared.envelope import Envelope, section, unseal
@@ -87,11 +89,13 @@ class Controller:
             envelope = unseal(str(request.arguments.get("envelope")))
             config = section(envelope, "controller", ControllerConfig)
             reference = section(envelope, "reference", Reference)
-            check(config, reference, tuple(envelope.experiment["plant"]["initial_q_rad"]))
+            plant = envelope.experiment["plant"]
+            met = surroundings(plant)
+            check(config, reference, tuple(plant["initial_q_rad"]), plant["machine"]["q4_rad"], met)
         except (ValueError, KeyError, TypeError) as error:
             return request.refuse(str(error))
         self.pending = (envelope, config, reference)
-        return request.reply({"digest": envelope.digest.hex()})
+        return request.reply({"digest": envelope.digest.hex(), "warnings": list(preflight(config, met))})
 
     def _commit(self, request: Request) -> None:
         if self.pending is None or self.pending[0].digest.hex() != request.arguments.get("digest"):

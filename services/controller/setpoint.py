@@ -4,6 +4,7 @@ from typing import NamedTuple
 
 from services.controller.adaptation import adapted_step
 from services.controller.alternate import measured_step
+from services.controller.apparent import Withheld, withhold
 from services.controller.explicit import ExplicitState, explicit_step
 from services.controller.impedance import ImpedanceState
 from services.controller.kinematics import along_axis, clamp_joints, inverse, tip_velocity
@@ -36,6 +37,7 @@ class Demand(NamedTuple):
     nominal_m: Triple
     impedance: ImpedanceState
     explicit: ExplicitState
+    withheld: Withheld
     clamped: int
 
 
@@ -57,6 +59,7 @@ def demand(
     params: ControllerParams,
     impedance: ImpedanceState,
     explicit: ExplicitState,
+    withheld: Withheld,
     trial: Trial,
     deltas: Deltas,
     pitch_rad: float,
@@ -66,7 +69,7 @@ def demand(
     """Set-points while the law runs: reference, target impedance, inverse kinematics (thesis 5.1.3, steps 1 to 3)."""
     if params.target not in (TARGET_IMPEDANCE, TARGET_EXPLICIT):
         q, x, clamped = nominal_joints(params, trial, deltas, pitch_rad)
-        return Demand(q, x, x, impedance, explicit, clamped)
+        return Demand(q, x, x, impedance, explicit, withheld, clamped)
     x0, target = trial.x_start_m, params.impedance
     nominal = (x0[0] + deltas[3], x0[1] + deltas[4], x0[2] + deltas[5])
     if params.target == TARGET_EXPLICIT:
@@ -77,9 +80,11 @@ def demand(
         impedance, x = measured_step(impedance, target, nominal, seen.x_m, v, seen.force_n - seen.force_set_n, dt_s)
     else:
         error_n = seen.force_n - seen.force_set_n
-        impedance, x = adapted_step(impedance, target, params.adaptation, nominal, seen.force_n, error_n, dt_s)
+        withheld = withhold(withheld, params.apparent, target.force_axis, nominal, seen.force_n)
+        compensated = along_axis(nominal, target.force_axis, -withheld.withheld_m)
+        impedance, x = adapted_step(impedance, target, params.adaptation, compensated, seen.force_n, error_n, dt_s)
     q, clamped = inverse(params.geometry, x, pitch_rad)
-    return Demand(q, x, nominal, impedance, explicit, clamped)
+    return Demand(q, x, nominal, impedance, explicit, withheld, clamped)
 
 
 @kernel

@@ -7,6 +7,7 @@ The law runs at tick 0, whose sample cannot yet report the gate that this very a
 import math
 from typing import NamedTuple
 
+from services.controller.apparent import Withheld
 from services.controller.explicit import FILTERS_AT_REST, ExplicitState
 from services.controller.filtering import Filtered, filter_step
 from services.controller.impedance import ImpedanceState, mean_of_three, rest
@@ -42,6 +43,7 @@ class ControlMemory(NamedTuple):
     force_set_n: tuple[float, float]
     impedance: ImpedanceState
     explicit: ExplicitState
+    withheld: Withheld
     qd_rad_per_s: Triple  # at the last sample
     laws: Laws
     ready: int  # judged while tracking, kept while the law runs
@@ -69,8 +71,8 @@ def control_start(params: ControllerParams) -> ControlMemory:
     origin = (0.0, 0.0, 0.0)
     trial = Trial(-1, NO_TRIAL, 0, False, False, 0, origin, origin, 0, 0)
     window = filled_window(0, origin, params.sample_period_ns)
-    start, still = rest(origin, origin), Filtered(0.0, 0.0)
-    return ControlMemory(trial, window, (0, 0), still, (0.0, 0.0), start, FILTERS_AT_REST, origin, LAWS_AT_REST, 0)
+    start, still, nothing = rest(origin, origin), Filtered(0.0, 0.0), Withheld(0.0, origin)
+    return ControlMemory(trial, window, (0, 0), still, (0.0, 0.0), start, FILTERS_AT_REST, nothing, origin, LAWS_AT_REST, 0)
 
 
 @kernel
@@ -83,7 +85,8 @@ def begin(memory: ControlMemory, params: ControllerParams, sample: Sample, q: Tr
     window = filled_window(sample.time_ns - params.sample_period_ns, q, params.sample_period_ns)
     counts = (sample.force_counts, sample.force_counts)
     filtered, still = Filtered(params.calibration.force_n_per_count * sample.force_counts, 0.0), (0.0, 0.0, 0.0)
-    return ControlMemory(trial, window, counts, filtered, (0.0, 0.0), rest(x, x), FILTERS_AT_REST, still, LAWS_AT_REST, 0)
+    start, nothing = rest(x, x), Withheld(0.0, x)
+    return ControlMemory(trial, window, counts, filtered, (0.0, 0.0), start, FILTERS_AT_REST, nothing, still, LAWS_AT_REST, 0)
 
 
 @kernel
@@ -196,10 +199,10 @@ def control_step(
     if running:
         force_set_n = mean_of_three(deltas[6], memory.force_set_n[0], memory.force_set_n[1])
         seen = Seen(q, memory.qd_rad_per_s, x, force.mean_n, params.impedance.force_gain * force_set_n)
-        wanted = demand(params, memory.impedance, memory.explicit, trial, deltas, pitch_rad, seen, dt_s)
+        wanted = demand(params, memory.impedance, memory.explicit, memory.withheld, trial, deltas, pitch_rad, seen, dt_s)
     else:
         _, nominal, _ = nominal_joints(params, trial, deltas, pitch_rad)
-        wanted = Demand(q, x, nominal, rest(x, nominal), FILTERS_AT_REST, 0)
+        wanted = Demand(q, x, nominal, rest(x, nominal), FILTERS_AT_REST, Withheld(0.0, nominal), 0)
         ready = judge_ready(params, trial, table, q, pitch_rad)
     window = push(memory.window, sample.time_ns, q, wanted.q_rad)
     qd, qd_set = velocities(window)
@@ -233,6 +236,8 @@ def control_step(
     )
     force_counts = (sample.force_counts, memory.force_counts[0])
     force_sets_n = (deltas[6], memory.force_set_n[0])
-    impedance, explicit = wanted.impedance, wanted.explicit
-    memory = ControlMemory(trial, window, force_counts, filtered, force_sets_n, impedance, explicit, qd, made.laws, ready)
+    impedance, explicit, withheld = wanted.impedance, wanted.explicit, wanted.withheld
+    memory = ControlMemory(
+        trial, window, force_counts, filtered, force_sets_n, impedance, explicit, withheld, qd, made.laws, ready
+    )
     return memory, made.codes, thought
