@@ -48,7 +48,7 @@ def show(
     Example: `hydrohil show fig-4-25 --toml > mine.toml; hydrohil run mine.toml`
     """
     from experiments.claims import band
-    from experiments.experiment import to_toml
+    from experiments.experiment import to_toml, warnings
 
     experiment = experiment_of(name, settings)
     if toml:
@@ -56,6 +56,8 @@ def show(
         return
     console.print(f"[bold]{experiment.name}[/] ({experiment.alias}): {experiment.title}\n{experiment.source}", highlight=False)
     console.print(f"{experiment.duration_s:g} s, law {experiment.controller.law}, target {experiment.controller.target}")
+    for line in warnings(experiment):
+        console.print(f"[yellow]warning[/]: {line}", highlight=False, soft_wrap=True)
     for claim in experiment.claims:
         console.print(f"  {claim.statement}: {claim.metric} of {claim.channel} {band(claim)}  [{claim.source}]", markup=False)
 

@@ -26,6 +26,7 @@ class Report(NamedTuple):
     wall_s: float
     latencies: dict[str, Any]  # of a live run
     recording: str
+    warnings: tuple[str, ...] = ()  # told before the run
 
     @property
     def exit_status(self) -> int:
@@ -92,6 +93,7 @@ def markdown(report: Report) -> str:
     lines += [f"clock {report.clock}, seed {report.seed}, source {source_version()}", ""]
     lines += [f"**TRIPPED**: {report.tripped}", ""] if report.tripped else []
     lines += [f"**NO VERDICT**: {report.gap}", ""] if report.gap else []
+    lines += [f"**warning**: {line}\n" for line in report.warnings]
     lines += ["| claim | stated | measured | holds |", "|---|---|---|---|"]
     lines += [
         f"| {v.claim.statement} | {band(v.claim)} | {v.measured:.3g} {v.claim.unit} | {'yes' if v.holds else '**NO**'} |"
@@ -116,6 +118,7 @@ def write_json(path: Path, report: Report) -> None:
                 "wall_s": report.wall_s,
                 "latencies": report.latencies or None,
                 "recording": report.recording or None,
+                "warnings": list(report.warnings),
                 "claims": [
                     {
                         "statement": v.claim.statement,

@@ -10,7 +10,7 @@ from rich.console import Console
 from rich.progress import BarColumn, Progress, TextColumn, TimeRemainingColumn
 
 from experiments.claims import Verdict, judge
-from experiments.experiment import Experiment
+from experiments.experiment import Experiment, warnings
 from experiments.trace import Trace, save
 from reproduction.play import play
 from services.operator import cell as cells
@@ -32,8 +32,14 @@ class Wanted(NamedTuple):
 
 
 def run_experiment(place: cells.Place, wanted: Wanted, console: Console) -> Report:
-    """The report of one run; raises CellError if there is no cell to run in."""
+    """The report of one run, after its warnings; raises CellError if there is no cell to run in."""
+    _warn(console, warnings(wanted.experiment))
     return _local(wanted, console) if wanted.clock == "local" else _in_cell(place, wanted, console)
+
+
+def _warn(console: Console, lines: Iterable[str]) -> None:
+    for line in lines:
+        console.print(f"[yellow]warning[/]: {line}", highlight=False, soft_wrap=True)
 
 
 def _local(wanted: Wanted, console: Console) -> Report:
@@ -87,6 +93,9 @@ def _run_and_record(bus: Bus, wanted: Wanted, console: Console) -> Report:
         raise
     wall_s = time.perf_counter() - began
     report = _report(wanted, live.trace, live.tripped, live.gap, wall_s, _latencies(live))
+    of_cell = tuple(line for line in live.warnings if line not in report.warnings)
+    _warn(console, of_cell)
+    report = report._replace(warnings=report.warnings + of_cell)
     if recorded:
         report = report._replace(recording=_finish_recording(bus, report, console))
     return report
@@ -144,4 +153,5 @@ def _report(wanted: Wanted, trace: Trace | None, tripped: str, gap: str, wall_s:
             save(trace, wanted.trace)
         if not tripped:
             verdicts = tuple(judge(claim, trace) for claim in wanted.experiment.claims)
-    return Report(wanted.experiment, wanted.clock, wanted.seed, verdicts, tripped, gap, wall_s, latencies, "")
+    told = warnings(wanted.experiment)
+    return Report(wanted.experiment, wanted.clock, wanted.seed, verdicts, tripped, gap, wall_s, latencies, "", told)

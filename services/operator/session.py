@@ -21,6 +21,13 @@ _WATCH_S = 0.05
 _SILENCE_S = 6.0  # longer than the plant waits for an answer in lockstep
 
 
+class Loaded(NamedTuple):
+    """What a cell answers when it has taken an experiment."""
+
+    run: int
+    warnings: tuple[str, ...]  # of the controller: it runs nevertheless
+
+
 class Live(NamedTuple):
     """What a live run gave."""
 
@@ -28,10 +35,11 @@ class Live(NamedTuple):
     gap: str  # why there is no trace
     tripped: str  # the supervisor's words, "" if it did not trip
     status: dict[str, dict[str, Any]]
+    warnings: tuple[str, ...]  # of the cell, when it took the experiment
 
 
-def load(bus: Bus, experiment: Experiment, seed: int, clock: str) -> int:
-    """All validate and return the hash, then all commit; returns the run's number."""
+def load(bus: Bus, experiment: Experiment, seed: int, clock: str) -> Loaded:
+    """All validate and return the hash, then all commit; returns the run's number and what the controller warns of."""
     supervisor = ask(bus, "supervisor", "status")
     if supervisor["mode"] == Mode.TRIPPED.name:
         raise TrippedError(f"the rig has tripped: {supervisor['words']}; remove the cause, then `hydrohil reset`")
@@ -44,12 +52,13 @@ def load(bus: Bus, experiment: Experiment, seed: int, clock: str) -> int:
         bias_ticks=bias_ticks(experiment.plant),
         duration_ticks=duration_ticks(experiment.duration_s, experiment.plant),
     )
-    digests = {service: ask(bus, service, "load", envelope=envelope)["digest"] for service in LOOP}
+    answers = {service: ask(bus, service, "load", envelope=envelope) for service in LOOP}
+    digests = {service: answer["digest"] for service, answer in answers.items()}
     if len(set(digests.values())) != 1:
         raise CellError(f"the services disagree on the experiment's hash: {digests}")
     for service in LOOP:
         ask(bus, service, "commit", digest=digests[service])
-    return run
+    return Loaded(run, tuple(map(str, answers["controller"].get("warnings", ()))))
 
 
 def arm(bus: Bus, timeout_s: float = 3.0) -> None:
@@ -105,7 +114,7 @@ def watch(collector: Collector, experiment: Experiment, show: Callable[[float], 
 
 def run_live(bus: Bus, experiment: Experiment, seed: int, clock: str, show: Callable[[float], None]) -> Live:
     """Load, arm, start, watch to the end; always disarms."""
-    run = load(bus, experiment, seed, clock)
+    run, warnings = load(bus, experiment, seed, clock)
     collector = Collector(bus)
     try:
         arm(bus)
@@ -121,7 +130,7 @@ def run_live(bus: Bus, experiment: Experiment, seed: int, clock: str, show: Call
     try:
         trace = collector.trace(run, ticks)
     except GapError as error:
-        return Live(None, str(error), tripped, found)
+        return Live(None, str(error), tripped, found, warnings)
     if not tripped and len(trace.tick) != ticks:
-        return Live(None, f"the trial ended after {len(trace.tick)} of {ticks} samples", tripped, found)
-    return Live(trace, "", tripped, found)
+        return Live(None, f"the trial ended after {len(trace.tick)} of {ticks} samples", tripped, found, warnings)
+    return Live(trace, "", tripped, found, warnings)
