@@ -2,12 +2,12 @@
 
 from functools import cache
 
-from experiments import appendix, beyond_impedance, beyond_position, chapter4, chapter5, chapter6, chapter7
+from experiments import appendix, beyond_impedance, beyond_position, beyond_stiffness, chapter4, chapter5, chapter6, chapter7
 from experiments.errors import ExperimentError, nearest
 from experiments.experiment import Experiment
 from experiments.pairs import PairClaim
 
-_CHAPTERS = (chapter4, chapter5, chapter6, chapter7, appendix, beyond_position, beyond_impedance)
+_CHAPTERS = (chapter4, chapter5, chapter6, chapter7, appendix, beyond_position, beyond_impedance, beyond_stiffness)
 
 
 @cache
