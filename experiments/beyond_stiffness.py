@@ -1,8 +1,9 @@
 """Beyond the thesis, 9.3.2: a soft apparent stiffness held for long, by a stiff target whose nominal position is compensated.
 
-A nominal trajectory goes 6 cm below the soft plate's surface and rests there. The tool begins in light contact, which the
-bias removal takes for zero. Soft means 1.5 kN/m, a quarter of k_eff, and stiff 20 kN/m, thrice k_eff: by the soft target
-itself 72 N and a limit cycle, by the stiff one rest at 285 N, near the limit of 334 N.
+A nominal trajectory goes 6.5 cm below the soft plate's surface and rests there. The tool begins in light contact, which the
+bias removal takes for zero. Soft means 1.5 kN/m, a quarter of k_eff, and stiff 15 kN/m, 2.4 times k_eff: by the soft target
+itself 79 N and a limit cycle, by the stiff one rest at 286 N, near the limit of 334 N. Depth and damping were taken where the
+soft target cycles with every seed: a link that by chance lands inside the dead zone ends its cycle.
 """
 
 from experiments.chapter5 import PRELOAD_N, SOFT_ESTIMATE_N_PER_M, SOFT_N_PER_M, STIFF_ESTIMATE_N_PER_M, plate
@@ -12,9 +13,9 @@ from experiments.pairs import PairClaim
 from services.controller.config import ControllerConfig, ImpedanceConfig, Segment
 from services.plant.params import UNIMATE
 
-SOFT_TARGET_N_PER_M, STIFF_TARGET_N_PER_M = 1500.0, 20e3
-MASS_KG, NET_DAMPING = 500.0, 2.0
-DEPTH_M, START_S, RAMP_S, BLEND_S = 0.06, 0.5, 6.0, 0.5
+SOFT_TARGET_N_PER_M, STIFF_TARGET_N_PER_M = 1500.0, 15e3
+MASS_KG, NET_DAMPING = 500.0, 3.0
+DEPTH_M, START_S, RAMP_S, BLEND_S = 0.065, 0.5, 6.0, 0.5
 CONTACT_N = 5.0  # the tool touches from the start, so no noise can be taken for contact on the way there
 HALF_S, END_S = 60.0, 120.0
 TENTH = 0.1
@@ -45,7 +46,7 @@ def force_n(stiffness_n_per_m: float) -> float:
 
 
 WANTED_N = force_n(SOFT_TARGET_N_PER_M)
-EXCESS = force_n(STIFF_TARGET_N_PER_M) / WANTED_N  # what the stiff target makes of the same trajectory, 3.9
+EXCESS = force_n(STIFF_TARGET_N_PER_M) / WANTED_N  # what the stiff target makes of the same trajectory, 3.6
 
 _CYCLES = Claim("The link cycles", "cycles", "q2", "above", HALF_S, END_S, "counts", low=2.0, source=_HELD)
 _RESTS = _CYCLES._replace(statement="There is no limit cycle", comparison="below", low=0.0, source=_STABLE)

@@ -9,7 +9,7 @@ import pytest
 from typer.testing import CliRunner, Result
 
 from analysis.studies import STUDIES
-from experiments.experiment import from_toml
+from experiments.experiment import from_toml, warnings
 from experiments.library import catalogue, find
 from experiments.trace import Trace, load
 from services.operator.cli import app
@@ -113,6 +113,10 @@ def test_the_seed_changes_the_run_and_repeats_it(tmp_path: Path):
         (("run", EXPERIMENT, "--set", "plant.initial_q_rad.2=1.05"), ("initial_q_rad", "1.05 m", "1.04")),
         (("run", EXPERIMENT, "--set", "duration_s=3601.0"), ("3601", "s", "3600")),
         (("run", EXPERIMENT, "--set", "duration_s"), ("path=value",)),
+        (("run", "fig-5-2", "--set", "controller.impedance.stiffness_n_per_m=-5.0"), ("-5.0 N/m", "greater than 0")),
+        (("run", "fig-5-2", "--set", "controller.impedance.mass_kg=0.0"), ("0.0 kg", "greater than 0")),
+        (("run", "fig-5-2", "--set", "controller.impedance.mass_kg=nan"), ("NaN kg", "finite")),
+        (("run", "fig-5-2", "--set", "reference.0.amount=2000.0"), ("2000 N on 500 N/m", "down/up (high, 0.471 rad)")),
         (("run", EXPERIMENT, "--clock", "sidereal"), ("sidereal", "real, lockstep or local")),
         (("run", EXPERIMENT, *LOCAL, "--rrd", "x.rrd"), ("--rrd", "--trace")),
         (("run", "nowhere/mine.toml", *LOCAL), ("nowhere/mine.toml",)),
@@ -151,6 +155,23 @@ def test_view_without_a_recording_says_how_to_make_one(tmp_path: Path):
     view = hydrohil("view", str(tmp_path / "none.rrd"))
     assert view.exit_code == 2
     assert "--rrd" in view.stderr
+
+
+def test_what_must_limit_cycle_is_warned_of_before_it_runs_and_in_the_report(tmp_path: Path):
+    file = tmp_path / "r.json"
+    (line,) = warnings(find("fig-5-13"))
+    assert f"warning: {line}" in hydrohil("show", "fig-5-13").stdout
+    run = hydrohil("run", "fig-5-13", *LOCAL, "--json", str(file))
+    assert run.stdout.count("warning: ") == 1
+    assert run.stdout.startswith(f"warning: {line}")
+    assert json.loads(file.read_text())["warnings"] == [line]
+
+
+def test_what_cannot_limit_cycle_is_not_warned_of(tmp_path: Path):
+    file = tmp_path / "r.json"
+    assert "warning" not in hydrohil("show", "fig-7-4").stdout
+    assert "warning" not in hydrohil("run", EXPERIMENT, *LOCAL, "--json", str(file)).stdout
+    assert json.loads(file.read_text())["warnings"] == []
 
 
 def test_down_without_up_says_so():

@@ -70,3 +70,11 @@ def test_a_number_that_is_none_is_null_in_json(tmp_path: Path):
     told = json.loads((tmp_path / "r.json").read_text())
     assert told["claims"][0]["measured"] is None
     assert (told["exit_status"], told["clock"], told["seed"]) == (1, "real", 4)
+
+
+def test_warnings_are_in_the_document_and_in_json(tmp_path: Path):
+    warned = report()._replace(warnings=("it must limit-cycle",))
+    write_json(tmp_path / "r.json", warned)
+    assert json.loads((tmp_path / "r.json").read_text())["warnings"] == ["it must limit-cycle"]
+    assert "**warning**: it must limit-cycle" in markdown(warned)
+    assert "warning" not in markdown(report())
