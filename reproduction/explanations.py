@@ -49,6 +49,40 @@ DEVIATIONS: tuple[Deviation, ...] = (
         "of chapter 7 makes this contact chatter; the text claims both.",
     ),
     Deviation(
+        (("fig-5-9", "The circle is matched in free space"),),
+        "On average 2.0 mm is the largest distance against a band of 2.4 mm, which is little more than two counts of link 3 (2.1 "
+        "mm): in one seed of ten a single jump out of stiction goes beyond.",
+    ),
+    Deviation(
+        (
+            ("fig-6-7", "The force ends near 99 N"),
+            ("fig-6-9", "The force ends near 92 N"),
+            ("fig-6-11", "The force ends near 55 N"),
+        ),
+        "One jump out of stiction, 1.5 mm, is 9 N on 6.2 kN/m. Where within it the link comes to rest depends on the seed: mean "
+        "103, 95 and 58 N, standard deviation 2 N, against levels of 99, 92 and 55 +- 5 N. The impedance controller, whose error "
+        "is thresholded, rests nearer: 100, 93, 54 N.",
+    ),
+    Deviation(
+        (
+            ("fig-6-7", "The control follows the same course"),
+            ("fig-6-9", "The control follows the same course"),
+            ("fig-6-11", "The control follows the same course"),
+        ),
+        "Force and position agree (correlation 0.997 and more, within two counts), the controls only while the link moves: at "
+        "rest the impedance controller's error is thresholded and its integral stands, while the explicit controller's goes on "
+        "with the noise and the offset of the force.",
+    ),
+    Deviation(
+        (
+            ("fig-6-7", "While the force rises the controls act alike"),
+            ("fig-6-9", "While the force rises the controls act alike"),
+            ("fig-6-11", "While the force rises the controls act alike"),
+        ),
+        "0.90 to 0.93 on average: both act alike, but the explicit signal carries the noise of the gauge, five to eight times "
+        "that of the other, and single jumps out of stiction come at other instants.",
+    ),
+    Deviation(
         (("fig-5-11", "It has died before the plate is struck again"),),
         "What is left is about one encoder count, 0.9 mm (0.6 to 1.4), against a band of two counts, 0.99 mm: the chatter on "
         "the stiff plate leaves the target model moving a little longer.",
@@ -88,6 +122,8 @@ DEVIATIONS: tuple[Deviation, ...] = (
     ),
     Deviation(
         (
+            ("torque-dynamic-force-stiff-plate", "The control no longer oscillates while moving up"),
+            ("torque-dynamic-force-stiff-plate", "The control swings half as often, moving up"),
             ("torque-dynamic-force-stiff-plate", "The control swings half as often, moving up again"),
             ("torque-dynamic-force-stiff-plate", "The force is followed no worse"),
         ),

@@ -1,5 +1,6 @@
 """What a worker does: play the trials of a group with one seed, judge its figures, and draw them if asked."""
 
+import time
 from collections.abc import Iterable, Mapping
 from typing import NamedTuple
 
@@ -22,10 +23,14 @@ class Job(NamedTuple):
     draw: bool
 
     @property
+    def simulated_s(self) -> float:
+        """Seconds that its trials last."""
+        return simulated_s([find(name) for name in self.group.trials])
+
+    @property
     def cost_s(self) -> float:
         """About how long it takes."""
-        drawing_s = DRAWING_S * len(self.group.figures) if self.draw else 0.0
-        return simulated_s([find(name) for name in self.group.trials]) / TIMES_REAL_TIME + drawing_s
+        return self.simulated_s / TIMES_REAL_TIME + (DRAWING_S * len(self.group.figures) if self.draw else 0.0)
 
 
 class Done(NamedTuple):
@@ -34,6 +39,7 @@ class Done(NamedTuple):
     job: Job
     found: tuple[Found, ...]
     drawn: dict[str, tuple[Drawing, ...]]  # by figure
+    played_s: float  # wall time of its trials on the local clock; elsewhere 0
 
 
 def jobs(groups: Iterable[Group], seeds: int) -> tuple[Job, ...]:
@@ -53,7 +59,10 @@ def warm() -> None:
 
 def work(job: Job) -> Done:
     """Play, judge and draw on the local clock."""
-    return judged(job, {name: play(find(name), job.seed) for name in job.group.trials})
+    began = time.perf_counter()
+    played = {name: play(find(name), job.seed) for name in job.group.trials}
+    played_s = time.perf_counter() - began
+    return judged(job, played)._replace(played_s=played_s)
 
 
 def judged(job: Job, played: Mapping[str, Played]) -> Done:
@@ -61,7 +70,7 @@ def judged(job: Job, played: Mapping[str, Played]) -> Done:
     figures = [find_figure(name) for name in job.group.figures]
     found = [judge_figure(figure, played) for figure in figures]
     drawn = {figure.name: _drawn(figure, played, seen) for figure, seen in zip(figures, found, strict=True)} if job.draw else {}
-    return Done(job, tuple(seen._replace(panels=()) for seen in found), drawn)
+    return Done(job, tuple(seen._replace(panels=()) for seen in found), drawn, 0.0)
 
 
 def _drawn(figure: Figure, played: Mapping[str, Played], seen: Found) -> tuple[Drawing, ...]:

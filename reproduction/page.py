@@ -32,6 +32,7 @@ def page(report: Report) -> str:
         measured=words.measured,
         verdict=words.verdict,
         duration=words.duration,
+        number=words.number,
     )
 
 

@@ -5,6 +5,7 @@ import math
 import os
 import platform
 from pathlib import Path
+from statistics import median
 from typing import Any, NamedTuple
 
 from experiments.claims import band
@@ -24,6 +25,7 @@ class Report(NamedTuple):
     duration_s: float
     machine: str
     command: str
+    times_real_time: float  # of one core; NaN where no trial was played on the local clock
 
     @property
     def exit_status(self) -> int:
@@ -55,6 +57,12 @@ def gathered(figures: tuple[Figure, ...], done: list[Done]) -> tuple[Result, ...
     )
 
 
+def times_real_time(done: list[Done]) -> float:
+    """Simulated seconds per second of one core, median over the jobs: while several run, and a cold one loads."""
+    speeds = [made.job.simulated_s / made.played_s for made in done if made.job.group.trials and made.played_s > 0.0]
+    return median(speeds) if speeds else math.nan
+
+
 def machine() -> str:
     """Which computer this is: its processor, how many of them, its system and Python."""
     names = [line.partition(":")[2].strip() for line in _cpuinfo() if line.startswith("model name")]
@@ -80,6 +88,7 @@ def to_json(report: Report) -> str:
         "made": report.made,
         "duration_s": report.duration_s,
         "machine": report.machine,
+        "times_real_time": _number(report.times_real_time),
         "command": report.command,
         "exit_status": report.exit_status,
         "claims": whole.claims,

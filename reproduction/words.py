@@ -35,6 +35,12 @@ def _unit(one: Tally) -> str:
     return "" if one.claim.unit == "1" else f" {one.claim.unit}"
 
 
+def briefly(one: Tally) -> str:
+    """The value, or mean and spread."""
+    spread = f" ± {number(one.spread)}" if one.seeds > 1 and one.determined else ""
+    return f"{number(one.mean)}{spread}{_unit(one)}"
+
+
 def verdict(one: Tally) -> str:
     """Whether it holds, and of several seeds in how many."""
     word = "holds" if one.holds else "does NOT hold"

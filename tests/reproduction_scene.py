@@ -31,4 +31,4 @@ def computed() -> Result:
 
 
 def report(*results: Result) -> Report:
-    return Report(results, "local", SEEDS, "0123456789abcdef", "2026-01-01", 12.0, "a machine", "hydrohil reproduce")
+    return Report(results, "local", SEEDS, "0123456789abcdef", "2026-01-01", 12.0, "a machine", "hydrohil reproduce", 400.0)

@@ -33,6 +33,7 @@ def test_seeds_come_in_their_order_however_they_end():
             Job(group, seed, seed == 0),
             (Found("fig-5-9", (verdict(CLAIM, float(seed)),)),),
             {"fig-5-9": (Drawing("", SVG),)} if not seed else {},
+            0.0,
         )
         for seed in (2, 0, 1)
     ]

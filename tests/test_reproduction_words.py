@@ -6,13 +6,18 @@ from reproduction_scene import CLAIM, computed, trial, verdicts
 from experiments.claims import verdict
 from experiments.study import Statement
 from reproduction.tally import tally
-from reproduction.words import duration, measured, number, stated
+from reproduction.words import briefly, duration, measured, number, stated
 from reproduction.words import verdict as verdict_words
 
 
 def test_one_seed_is_a_number_and_several_are_mean_spread_and_range():
     assert measured(tally([verdict(CLAIM, 123.456)])) == "123 N"
     assert measured(tally([verdict(CLAIM, value) for value in (100.0, 140.0)])) == "120 ± 20 N (100..140)"
+
+
+def test_briefly_is_mean_and_spread():
+    assert briefly(tally([verdict(CLAIM, 123.456)])) == "123 N"
+    assert briefly(tally([verdict(CLAIM, value) for value in (100.0, 140.0)])) == "120 ± 20 N"
 
 
 def test_what_is_not_determined_is_said():

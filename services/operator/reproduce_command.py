@@ -131,11 +131,12 @@ def _finish(
     """Write the files, say what they say, and end with the status."""
     from reproduction.junit import junit
     from reproduction.page import page
-    from reproduction.report import Report, gathered, machine, to_json
+    from reproduction.report import Report, gathered, machine, times_real_time, to_json
     from shared.kernel import source_version
 
     made = datetime.now().astimezone().isoformat(" ", "seconds")
-    report = Report(gathered(chosen, done), clock, seeds, source_version(), made, duration_s, machine(), command)
+    speed = times_real_time(done)
+    report = Report(gathered(chosen, done), clock, seeds, source_version(), made, duration_s, machine(), command, speed)
     texts = {out / PAGE: page(report), out / JUNIT: junit(report)}
     if json_file is not None:
         texts[json_file] = to_json(report)
@@ -164,10 +165,12 @@ def _show(report: Any, page: Path) -> None:
     table = Table("chapter", "figures", "claims", "hold", "do not")
     for count in (*report.counts, report.total):
         table.add_row(count.title, *(str(number) for number in (count.figures, count.claims, count.hold, count.fail)))
-    failed = Table("figure", "does not hold", "stated", "measured", "")
+    failed = Table(title="claims that do not hold; the page says why", title_justify="left")
+    for column in ("figure", "claim", "stated", "measured", "holds in"):
+        failed.add_column(column, overflow="fold")
     for one in failures(report.results):
-        told = (one.figure.name, one.tally.claim.statement, words.stated(one.tally), words.measured(one.tally))
-        failed.add_row(*told, f"{one.tally.held} of {one.tally.seeds}" + ("" if one.why else ", unexplained"))
+        told = (one.figure.name, one.tally.claim.statement, words.stated(one.tally), words.briefly(one.tally))
+        failed.add_row(*told, f"{one.tally.held} of {one.tally.seeds}" + ("" if one.why else "; unexplained"))
     console.print(table)
     if failed.row_count:
         console.print(failed)
