@@ -107,6 +107,47 @@ DEVIATIONS: tuple[Deviation, ...] = (
         "controlled push oscillates for less than 5 s. The speed is not in the text, and one speed serves both.",
     ),
     Deviation(
+        tuple(
+            (f"fig-7-{n}", words) for n in (1, 2) for words in ("They are of about 3 mm", "which is 0.17 deg of up/down motion")
+        ),
+        "A cycle is one jump out of stiction each way: 1.7 mm, three encoder counts. A jump J sustains itself where "
+        "(1 + k_eff / k) J exceeds the error that breaks the link loose, 1.4 mm, and the law's dead zone, 1.05 mm. A link that "
+        "jumps by 3 mm would therefore cycle at 50 kN/m too, where the text saw none: both cannot be had of one link.",
+    ),
+    Deviation(
+        (
+            ("fig-7-1", "The link cycles"),
+            ("fig-7-2", "The link cycles"),
+            ("fig-7-2", "The set-point mostly moves away from where the link stands"),
+            ("fig-7-3", "The link cycles"),
+            ("fig-7-3", "and becomes sporadic"),
+        ),
+        "A cycle ends for good where a jump lands so near the balance of forces that the set-point comes to rest inside the dead "
+        "zone D = 1.05 mm, that is within D / (1 + k_eff / k): 1 % of a jump's range at 50 N/m, 9 % at 500, 55 % at 5 kN/m. So "
+        "one seed in twenty rests at 50 and at 500 N/m, and six never cycle at 5 kN/m, where the text has it may or may not.",
+    ),
+    Deviation(
+        (
+            ("fig-7-1", "Cycles set in later at 50 than at 500 N/m"),
+            ("fig-7-1", "Cycles set in later at 50 than at 5000 N/m"),
+            ("fig-7-2", "Cycles are faster at 500 than at 50 N/m"),
+            ("fig-7-3", "Cycles are faster at 5000 than at 500 N/m"),
+            ("fig-7-5", "A hundred times the mass delays them"),
+        ),
+        "Between two jumps the link is stuck and the set-point creeps at (f_d - f) / c. The damper is the same at 50 and at "
+        "500 N/m (18 kN s/m by xi_net = 5), so onset and period are as well; at 5 kN/m it is half of that (xi_net = 2), and "
+        "the cycles are two and a half times as fast. The onset depends on how near to balance the response happens to end, and "
+        "of a seed without cycles it has no value.",
+    ),
+    Deviation(
+        (
+            ("push-apparent", "The steady force is that of the soft target, to a tenth"),
+            ("push-apparent", "The stiff target appears as soft as the soft one, to a tenth"),
+        ),
+        "Until the link has left stiction and the gauge confirms contact, one to two millimetres of the nominal way pass in "
+        "full: 3 to 5 N too much of 79. The dead zone of 1.05 mm on the stiff target leaves another 4 N either way.",
+    ),
+    Deviation(
         (
             ("torque-dynamic-force-soft-plate", "The control no longer oscillates while moving up"),
             ("torque-dynamic-force-soft-plate", "Moving up, the control swings no more than moving down"),

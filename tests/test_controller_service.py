@@ -1,0 +1,43 @@
+"""The controller's shell without a network: what it answers to a load."""
+
+import json
+
+import pytest
+from supervisor_scene import ABOUT
+from wire_scene import FakeBus
+
+from experiments.experiment import Experiment, to_plain, warnings
+from experiments.library import find
+from services.controller.service import Controller
+from shared.bus import Request
+from shared.envelope import seal
+
+
+def loaded(experiment: Experiment, about=ABOUT):
+    """(accepted, reason, values) of a controller that has heard of the plant."""
+    controller, answers = Controller(FakeBus()), []
+    controller.about = about
+    text = seal(to_plain(experiment), run=7, seed=1, clock="lockstep", bias_ticks=444, duration_ticks=100)
+    controller._serve(Request("load", {"envelope": text}, lambda *answer: answers.append(answer)))
+    ((accepted, reason, values),) = answers
+    return accepted, reason, values if isinstance(values, dict) else json.loads(values or "{}")
+
+
+@pytest.mark.parametrize("name", ["fig-7-1", "fig-7-3", "fig-7-4", "fig-5-2"])
+def test_a_load_is_taken_with_the_warnings_that_show_prints(name):
+    accepted, _, values = loaded(find(name))
+    assert accepted
+    assert len(values["digest"]) == 64
+    assert tuple(values["warnings"]) == warnings(find(name))
+
+
+def test_a_force_set_point_beyond_the_travel_is_refused_with_the_bound():
+    experiment = find("fig-5-2")
+    accepted, reason, _ = loaded(experiment._replace(reference=(experiment.reference[0]._replace(amount=2000.0),)))
+    assert not accepted
+    assert "2000 N on 500 N/m" in reason and "down/up (high, 0.471 rad)" in reason
+
+
+def test_a_load_without_a_plant_is_refused():
+    accepted, reason, _ = loaded(find("fig-7-1"), about=None)
+    assert not accepted and "has not described itself" in reason
