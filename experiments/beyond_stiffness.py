@@ -101,7 +101,7 @@ PAIRS = (
         source=_MASK,
     ),
     _OVER_SOFT._replace(
-        statement="of the soft target's limit cycle nothing is left",
+        statement="Of the soft target's limit cycle nothing is left",
         of="push-apparent",
         metric="cycles",
         channel="q2",

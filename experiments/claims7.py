@@ -50,11 +50,13 @@ def _cycles(source: str, start_s: float = HALF_S) -> Claim:
 
 def _regular() -> tuple[Claim, ...]:
     """What the text says of the cycles at 50 and 500 N/m."""
-    amplitude = Claim("They are of about 3 mm", "cycle_amplitude", "z", "within", HALF_S, END_S, "mm", source=_AMPLITUDE)
+    amplitude = Claim("The cycles are of about 3 mm", "cycle_amplitude", "z", "within", HALF_S, END_S, "mm", source=_AMPLITUDE)
     return (
         _cycles(_EVENTUAL),
         amplitude._replace(low=2.5, high=3.5),
-        amplitude._replace(statement="which is 0.17 deg of up/down motion", channel="q2", unit="deg", low=0.143, high=0.2),
+        amplitude._replace(
+            statement="The cycles are of about 0.17 deg of up/down motion", channel="q2", unit="deg", low=0.143, high=0.2
+        ),
         Claim(
             "The set-point mostly moves away from where the link stands",
             "yielding_share",
@@ -80,11 +82,11 @@ CLAIMS: dict[str, tuple[Claim, ...]] = {
     "fig-7-2": _regular(),
     "fig-7-3": (
         _cycles(_EVENTUAL, 0.0),
-        Claim("and becomes sporadic", "pause_ratio", "q2", "above", 0.0, END_S, "1", low=2.0, source=_SPORADIC),
+        Claim("The cycles become sporadic", "pause_ratio", "q2", "above", 0.0, END_S, "1", low=2.0, source=_SPORADIC),
     ),
     "fig-7-4": (
         *_stable(_NONE),
-        _cycles(_NONE, 0.0)._replace(statement="although the response goes there and back", low=1.0, end_s=RESPONSE_S),
+        _cycles(_NONE, 0.0)._replace(statement="The response itself goes there and back", low=1.0, end_s=RESPONSE_S),
     ),
     "fig-7-5": (_cycles(_HEAVY),),
     "fig-7-6": (

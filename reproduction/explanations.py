@@ -108,7 +108,9 @@ DEVIATIONS: tuple[Deviation, ...] = (
     ),
     Deviation(
         tuple(
-            (f"fig-7-{n}", words) for n in (1, 2) for words in ("They are of about 3 mm", "which is 0.17 deg of up/down motion")
+            (f"fig-7-{n}", words)
+            for n in (1, 2)
+            for words in ("The cycles are of about 3 mm", "The cycles are of about 0.17 deg of up/down motion")
         ),
         "A cycle is one jump out of stiction each way: 1.7 mm, three encoder counts. A jump J sustains itself where "
         "(1 + k_eff / k) J exceeds the error that breaks the link loose, 1.4 mm, and the law's dead zone, 1.05 mm. A link that "
@@ -120,7 +122,7 @@ DEVIATIONS: tuple[Deviation, ...] = (
             ("fig-7-2", "The link cycles"),
             ("fig-7-2", "The set-point mostly moves away from where the link stands"),
             ("fig-7-3", "The link cycles"),
-            ("fig-7-3", "and becomes sporadic"),
+            ("fig-7-3", "The cycles become sporadic"),
         ),
         "A cycle ends for good where a jump lands so near the balance of forces that the set-point comes to rest inside the dead "
         "zone D = 1.05 mm, that is within D / (1 + k_eff / k): 1 % of a jump's range at 50 N/m, 9 % at 500, 55 % at 5 kN/m. So "
