@@ -6,7 +6,7 @@ import pytest
 from tuning_scene import GAINS, bench
 
 from tuning.bench import Criteria
-from tuning.morse import Tuned, best_alpha, best_integral, integral_step, suffers
+from tuning.morse import Tuned, alpha_step, best_alpha, best_integral, integral_step, suffers
 from tuning.search import Found, Tried
 
 CRITERIA = Criteria()
@@ -56,6 +56,13 @@ def test_a_trial_that_trips_suffers():
 
 def test_step_3_names_what_keeps_the_gain_from_being_larger():
     limited = Found((tried(1.0, 0.5), tried(2.0, 0.2), Tried(3.0, False, (*FINE[:5], 1.2))), True)
-    assert "sine's large swings overshoot by 20" in integral_step(bench(None), Tuned(limited, (), GAINS)).decision
+    assert "sine's large swings overshoot by 20" in integral_step(bench(None), Tuned(limited, GAINS, (), GAINS)).decision
     inside = Found((tried(1.0, 0.1), tried(2.0, 0.2), Tried(3.0, False, (*FINE[:5], 1.2))), True)
-    assert "least there" in integral_step(bench(None), Tuned(inside, (), GAINS)).decision
+    assert "least there" in integral_step(bench(None), Tuned(inside, GAINS, (), GAINS)).decision
+
+
+def test_where_every_alpha_fails_it_is_step_4_that_found_nothing():
+    found = Found((tried(1.0, 0.1),), False)
+    none = Tuned(found, GAINS, (tried(1.0, 0.1, passed=False),), None)
+    assert integral_step(bench(None), none).gains == GAINS
+    assert alpha_step(bench(None), none).gains is None and alpha_step(bench(None), none).number == 4

@@ -19,6 +19,7 @@ class Criteria(NamedTuple):
     """What "stable", "maximum" and "optimum" of Appendix C mean in numbers: choices of this rig, since the text gives none."""
 
     ripple_counts: float = 0.76  # sqrt(1/12 + 1/2): one count of amplitude on the sawtooth of the encoder; below, no ringing
+    decay: float = 0.9  # ringing that has not lost a tenth in a second is none that dies away
     hunting: int = 1  # one last correction at rest is none; turning round is
     margin: float = 1.2  # stable K_P over the one taken: the supply varies by 7 %, the inertia with the reach
     windup_share: float = 0.25  # of a large step, that linear PI may overshoot (4.3: wind-up is "expectedly large")
@@ -85,11 +86,15 @@ def a_per_printed(link: int) -> float:
     return A_PER_MA if link == OUT_IN else A_PER_RAD_PER_MA_PER_DEG
 
 
-def ringing(bench: Bench, traces: tuple[Trace, ...], wanted: Pattern) -> tuple[Ringing, bool]:
-    """Ringing in the seed where it lasts longest, and whether it dies away or was never there."""
+def worst_ringing(bench: Bench, traces: tuple[Trace, ...], wanted: Pattern) -> Ringing:
+    """Of the seed in which ringing lasts longest."""
     least = bench.criteria.ripple_counts
-    worst = max((measure.ringing(trace, bench.link, wanted, least) for trace in traces), key=lambda ring: lasting(ring, least))
-    return worst, lasting(worst, least) <= 1.0
+    return max((measure.ringing(trace, bench.link, wanted, least) for trace in traces), key=lambda ring: lasting(ring, least))
+
+
+def rings_on(criteria: Criteria, ring: Ringing) -> bool:
+    """Whether there is ringing at the end that has not died away since the beginning."""
+    return ring.late > max(criteria.ripple_counts, criteria.decay * ring.early)
 
 
 def yes(passed: bool) -> str:

@@ -8,14 +8,14 @@ from experiments.signals import LINKS, count_size
 from services.controller.params import LinkGains
 from shared.converters import COUNTS_PER_A
 from tuning import measure
-from tuning.bench import Bench, Step, a_per_printed, play, rad_per_unit, ringing, unit, yes
+from tuning.bench import Bench, Step, a_per_printed, play, rad_per_unit, rings_on, unit, worst_ringing, yes
 from tuning.patterns import pattern
 from tuning.search import Found, Tried, largest
 
-FULL_CURRENT_A = 2048 / COUNTS_PER_A
+FULL_CURRENT_A = 2048 / COUNTS_PER_A  # where the program's control saturates
 FIRST_SHARE = 0.25  # the first K_P asks for full current at this share of the large pattern
 FIRST_RATE_PER_S = 0.1  # the first K_I over K_P: an integral that takes 10 s for what the error does at once
-DOUBLE = 2.0
+FACTOR = math.sqrt(2.0)
 WIDEST = 1024.0  # gains are sought this far from the first
 FOLLOWS = 0.9  # of the set speed: below, the link does not follow and its ripple says nothing
 
@@ -26,10 +26,11 @@ def judge_proportional(bench: Bench, gains: LinkGains, value: float) -> Tried:
     traces = play(bench, "pi", gains._replace(kp_a_per_rad=value, linear_ki_a_per_rad_s=0.0), wanted)
     if traces is None:
         return Tried(value, False, (math.inf, math.inf, math.inf, 0.0))
-    ring, clean = ringing(bench, traces, wanted)
+    ring = worst_ringing(bench, traces, wanted)
     hunting = max(measure.hunting(trace, link, wanted) for trace in traces)
     share = min(measure.cruise_share(trace, link, wanted) for trace in traces)
-    return Tried(value, clean and hunting <= bench.criteria.hunting, (*ring, float(hunting), share))
+    steady = not rings_on(bench.criteria, ring) and hunting <= bench.criteria.hunting
+    return Tried(value, steady, (*ring, float(hunting), share))
 
 
 def proportional(bench: Bench, gains: LinkGains) -> Step:
@@ -40,7 +41,7 @@ def proportional(bench: Bench, gains: LinkGains) -> Step:
     found = largest(
         lambda value: judge_proportional(bench, gains, value),
         first,
-        DOUBLE,
+        FACTOR,
         ceiling,
         first / WIDEST,
         bench.criteria.precision,
@@ -83,11 +84,11 @@ def judge_integral(bench: Bench, gains: LinkGains, value: float) -> Tried:
     if stepped is None or ramped is None:
         return Tried(value, False, (math.inf,) * 5)
     windup = max(measure.overshoot_rad(trace, link, step) for trace in stepped) / step.size_rad
-    ring, clean = ringing(bench, ramped, ramp)
+    ring = worst_ringing(bench, ramped, ramp)
     hunting = max(measure.hunting(trace, link, ramp) for trace in ramped)
     error = float(np.median([measure.rms_error_rad(trace, link) for trace in ramped]))
-    passed = clean and windup <= criteria.windup_share and hunting <= criteria.hunting
-    return Tried(value, passed, (windup, *ring, float(hunting), error))
+    steady = not rings_on(bench.criteria, ring) and hunting <= criteria.hunting
+    return Tried(value, steady and windup <= criteria.windup_share, (windup, *ring, float(hunting), error))
 
 
 def integral(bench: Bench, gains: LinkGains) -> Step:
@@ -96,7 +97,7 @@ def integral(bench: Bench, gains: LinkGains) -> Step:
     found = largest(
         lambda value: judge_integral(bench, gains, value),
         first,
-        DOUBLE,
+        FACTOR,
         first * WIDEST,
         first / WIDEST,
         bench.criteria.precision,

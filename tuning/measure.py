@@ -39,7 +39,10 @@ def ringing(trace: Trace, link: int, wanted: Pattern, least: float) -> Ringing:
 
 
 def lasting(ring: Ringing, least: float) -> float:
-    """Late over early ripple, the latter at least `least`: what is stable dies away and stays at or below 1."""
+    """Late over early ripple, of which at least `least` counts: smaller for what dies away, 1 or more for what grows.
+
+    A limit cycle that has reached its full size stays near 1.
+    """
     return ring.late / max(ring.early, least)
 
 

@@ -8,8 +8,8 @@ import numpy as np
 from experiments.trace import Trace
 from services.controller.params import LinkGains
 from tuning import measure
-from tuning.bench import Bench, Criteria, Step, a_per_printed, play, rad_per_unit, ringing, unit, yes
-from tuning.measure import Ringing, lasting
+from tuning.bench import Bench, Criteria, Step, a_per_printed, play, rad_per_unit, rings_on, unit, worst_ringing, yes
+from tuning.measure import Ringing
 from tuning.patterns import Pattern, pattern
 from tuning.search import Found, Tried, largest
 
@@ -19,9 +19,10 @@ ALPHAS = tuple(2.0**power for power in range(11))  # alpha_max over the fastest 
 
 
 class Tuned(NamedTuple):
-    """What step 3 ends with; no gains where every K_I or every alpha fails."""
+    """What steps 3 and 4 end with; no gains where every K_I, or every alpha, fails."""
 
     integral: Found
+    with_integral: LinkGains | None
     alphas: tuple[Tried, ...]
     gains: LinkGains | None
 
@@ -33,7 +34,7 @@ def judge_integral(bench: Bench, gains: LinkGains, value: float) -> Tried:
     ramped, stepped, crept, waved = (play(bench, "morse", tried, wanted) for wanted in (ramp, step, small, sine))
     if ramped is None or stepped is None or crept is None or waved is None:
         return Tried(value, False, (math.inf,) * 6)
-    ring, _ = ringing(bench, ramped, ramp)
+    ring = worst_ringing(bench, ramped, ramp)
     rests: tuple[tuple[Pattern, tuple[Trace, ...]], ...] = ((ramp, ramped), (step, stepped), (small, crept))
     turns = max(measure.hunting(trace, link, wanted) for wanted, traces in rests for trace in traces)
     overshoot = max(measure.overshoot_counts(trace, link, step) for trace in stepped)
@@ -48,7 +49,7 @@ def suffers(criteria: Criteria, numbers: tuple[float, ...]) -> str:
     _, early, late, turns, overshoot, swing = numbers
     if not math.isfinite(swing):
         return "a trial trips"
-    if lasting(Ringing(early, late), criteria.ripple_counts) > 1.0:
+    if rings_on(criteria, Ringing(early, late)):
         return "the fastest ramp rings on"
     if turns > criteria.hunting:
         return f"the link hunts at rest ({turns:.0f} turns)"
@@ -74,7 +75,7 @@ def best_integral(found: Found) -> Tried | None:
     return min(found.passed, key=lambda one: one.numbers[0], default=None)
 
 
-def morse(bench: Bench, gains: LinkGains) -> tuple[Step, Step]:
+def morse(bench: Bench, gains: LinkGains) -> tuple[Step, ...]:
     """Steps 3 and 4."""
     tuned = tune(bench, gains)
     return integral_step(bench, tuned), alpha_step(bench, tuned)
@@ -90,11 +91,11 @@ def tune(bench: Bench, gains: LinkGains) -> Tuned:
     )
     best = best_integral(found)
     if best is None:
-        return Tuned(found, (), None)
+        return Tuned(found, None, (), None)
     tuned = free._replace(ki_a_per_rad_s=best.value)
     tried = tuple(judge_alpha(bench, tuned, alpha) for alpha in alphas)
     chosen = best_alpha(tried, criteria.alpha_cost)
-    return Tuned(found, tried, None if chosen is None else tuned._replace(alpha_max_rad2_per_s2=chosen.value))
+    return Tuned(found, tuned, tried, None if chosen is None else tuned._replace(alpha_max_rad2_per_s2=chosen.value))
 
 
 def limit(found: Found, best: Tried, criteria: Criteria, printed: float) -> str:
@@ -120,7 +121,7 @@ def integral_step(bench: Bench, tuned: Tuned) -> Step:
         (f"K_I {name}", *seen(bench)),
         tuple((o.value / printed, o.numbers[0] / scale, *o.numbers[1:], yes(o.passed)) for o in tuned.integral.tried),
         decision,
-        None if best is None else tuned.gains,
+        tuned.with_integral,
     )
 
 
