@@ -2,6 +2,7 @@
 
 import io
 import re
+import textwrap
 from collections.abc import Iterable, Mapping
 from itertools import cycle
 from typing import Any, NamedTuple
@@ -15,7 +16,7 @@ from reproduction.curves import thinned
 from reproduction.panels import CONTROL, ERROR, MEASURED, NOMINAL, SET_POINT, SURFACE, Picture
 
 WIDTH_IN, PLANE_IN, EXTRA_IN = 6.4, 4.2, 0.55
-LEGEND_LETTERS = 80  # that fit into one row
+LEGEND_LETTERS, LABEL_LETTERS = 80, 24  # that fit into one row, and along one panel
 INK = "#808081"  # stands for the page's own colour of text; any grey that no curve has
 GRID = "#8080804d"
 
@@ -112,7 +113,7 @@ def _styles(panels: Iterable[Panel]) -> dict[str, Style]:
 def _draw_panel(axes: Axes, panel: Panel, styles: Mapping[str, Style]) -> None:
     for curve in panel.curves:
         _draw_curve(axes, curve, styles[curve.label])
-    axes.set_ylabel(panel.y_label)
+    axes.set_ylabel(textwrap.fill(panel.y_label, LABEL_LETTERS))
     axes.set_xscale("log" if panel.log_x else "linear")
     axes.set_yscale("log" if panel.log_y else "linear")
     axes.grid(color=GRID, linewidth=0.5)
