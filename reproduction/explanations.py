@@ -84,8 +84,8 @@ DEVIATIONS: tuple[Deviation, ...] = (
     ),
     Deviation(
         (("fig-5-11", "It has died before the plate is struck again"),),
-        "What is left is about one encoder count, 0.9 mm (0.6 to 1.4), against a band of two counts, 0.99 mm: the chatter on "
-        "the stiff plate leaves the target model moving a little longer.",
+        "On the border: what is left is 1.0 mm (standard deviation 0.35 mm) against a band of two encoder counts, 0.99 mm. The "
+        "chatter on the stiff plate leaves the target model moving a little longer.",
     ),
     Deviation(
         (("fig-5-13", "The mean force is 140 N"), ("fig-5-13", "The tool lags by about 3 cm")),
@@ -207,6 +207,13 @@ DEVIATIONS: tuple[Deviation, ...] = (
         "on the soft plate and 45 kg on the stiff one.",
     ),
     Deviation(
+        (
+            ("circle-soft-20kg-filtered", "The plate is struck once, without bouncing"),
+            ("circle-soft-20kg-filtered", "The transient is smaller than with 50 kg"),
+        ),
+        "20 kg is the border on the soft plate: in one seed of ten the tool bounces once, and departs as far as with 50 kg.",
+    ),
+    Deviation(
         (("circle-soft-10kg", "The circle is matched in free space"),),
         "This trial has no filter: it shows the noise of which 9.3.1 complains.",
     ),
@@ -215,7 +222,7 @@ DEVIATIONS: tuple[Deviation, ...] = (
             ("circle-stiff-50kg-filtered", "It has died before the plate is struck again"),
             ("adaptive-limit-switch", "It has died before the plate is struck again"),
         ),
-        "As in figure 5-11, whose target this is: about one encoder count is left, against a band of two.",
+        "As in figure 5-11, whose target this is: about two encoder counts are left, and two is the band.",
     ),
     Deviation(
         (
