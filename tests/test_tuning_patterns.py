@@ -4,7 +4,7 @@ import pytest
 
 from experiments.chapter4 import PATTERNS, TRAJECTORIES
 from experiments.experiment import checked
-from experiments.library import find
+from experiments.library import catalogue, find
 from services.controller.config import AdaptationConfig
 from services.plant.params import Environment
 from shared.units import RAD_PER_DEG
@@ -59,3 +59,9 @@ def test_the_place_keeps_as_much_again_as_the_pattern_from_the_limits():
     assert middle_rad(tight, 1, GAINS[1]) == pytest.approx(-0.3 + 20.0 * RAD_PER_DEG)
     assert middle_rad(EXPERIMENT, 1, GAINS[1]) == EXPERIMENT.plant.initial_q_rad[1]
     assert middle_rad(EXPERIMENT, 2, GAINS[2]) == pytest.approx(EXPERIMENT.supervisor.joint_low_rad[2] + 0.4)
+
+
+@pytest.mark.parametrize("experiment", catalogue(), ids=lambda experiment: experiment.alias)
+def test_the_plant_of_every_experiment_can_be_tuned(experiment):
+    gains = experiment.controller.gains[1]
+    checked(trial(experiment, 1, "final", gains, pattern("small-step", 1, gains), middle_rad(experiment, 1, gains)), "test")
