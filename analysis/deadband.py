@@ -5,7 +5,7 @@ from collections.abc import Sequence
 import numpy as np
 
 from analysis.readings import above, printed
-from experiments.study import Curve, Panel, Studied, Study
+from experiments.study import Curve, Panel, Studied
 from experiments.trace import Reals, Trace
 from services.controller.laws import deadband_compensation, relay_sign
 from services.controller.params import DOWN_UP_GAINS
@@ -33,7 +33,7 @@ def relay_ma(current_ma: Reals) -> Reals:
     return np.array(found) / A_PER_MA
 
 
-def _plain(_: Sequence[Trace]) -> Studied:
+def plain(_: Sequence[Trace]) -> Studied:
     u = np.linspace(-SHOWN_MA, SHOWN_MA, 601)
     added = compensation_ma(u)
     full = np.abs(added) >= np.max(added)
@@ -47,18 +47,10 @@ def _plain(_: Sequence[Trace]) -> Studied:
     return Studied(panels, verdicts)
 
 
-def _hysteretic(_: Sequence[Trace]) -> Studied:
+def hysteretic(_: Sequence[Trace]) -> Studied:
     """The text of 4.5.2 is lost, and with it every statement: the rig's reading of its title is drawn."""
     up = np.linspace(-SHOWN_MA, SHOWN_MA, 601)
     path = np.concatenate((up, up[::-1]))
     added = relay_ma(path)
     curves = (Curve("rising", up, added[: len(up)]), Curve("falling", up[::-1], added[len(up) :]))
     return Studied((Panel("u, mA", "u_c, mA", curves),), ())
-
-
-STUDIES = (
-    Study("fig-4-12", "deadband-characteristic", "Deadband compensation", "thesis figure 4-12, 4.5.1", _plain),
-    Study(
-        "fig-4-13", "hysteresis-characteristic", "Deadband compensation with hysteresis", "thesis figure 4-13, 4.5.2", _hysteretic
-    ),
-)

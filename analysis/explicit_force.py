@@ -11,7 +11,7 @@ import control
 import numpy as np
 
 from analysis.readings import TENTH, about, below, printed
-from experiments.study import Curve, Panel, Studied, Study
+from experiments.study import Curve, Panel, Studied
 from experiments.trace import Reals, Trace
 from services.plant.params import UNIMATE
 
@@ -62,7 +62,7 @@ def settled_m_per_n(stiffness_n_per_m: float) -> float:
     return float(step_m_per_n(stiffness_n_per_m, np.linspace(0.0, 20.0 * slowest_s, 2001))[-1])
 
 
-def _study(_: Sequence[Trace]) -> Studied:
+def force_filter(_: Sequence[Trace]) -> Studied:
     times = np.linspace(0.0, TRIAL_S, 801)
     answers = [step_m_per_n(k, times) for k in STIFFNESSES_N_PER_M]
     named = [f"k = {k:g} N/m" for k in STIFFNESSES_N_PER_M]
@@ -94,6 +94,3 @@ def _study(_: Sequence[Trace]) -> Studied:
         below("k = 50: share of full strength reached in 20 s", "%", 100.0 * (1.0 - TENTH), reached, _SLOW),
     )
     return Studied(panels, verdicts)
-
-
-STUDY = Study("fig-6-4", "force-filter", "Equivalent explicit force controller filter", "thesis figure 6-4, 6.2.1", _study)

@@ -10,7 +10,7 @@ from scipy.stats import linregress, t
 from analysis.plate import KILO, M_PER_IN
 from analysis.readings import TENTH, about, below
 from experiments.appendix import CHAIR_N_PER_M, LEVEL_S, LEVELS_N
-from experiments.study import Curve, Panel, Studied, Study
+from experiments.study import Curve, Panel, Studied
 from experiments.trace import Reals, Trace
 
 HAND_RANGE_M = 0.5 * M_PER_IN  # Appendix E: measurements at one force vary by up to that
@@ -66,7 +66,7 @@ def fit(forces_n: Reals, distances_m: Reals) -> Fit:
     return Fit(float(line.slope), reach * float(line.stderr), float(line.intercept))
 
 
-def _study(traces: Sequence[Trace]) -> Studied:
+def gauge_study(traces: Sequence[Trace]) -> Studied:
     forces, exact = readings(traces[0])
     measured = scattered(traces[0], exact)
     bare, found = fit(forces, exact), fit(forces, measured)
@@ -93,8 +93,3 @@ def _study(traces: Sequence[Trace]) -> Studied:
         below("46 kN/m from the regression, in half widths of its 95 % interval", "1", 1.0, off, _SCATTER),
     )
     return Studied((Panel("deflection, mm", "force, N", curves, title=words),), verdicts)
-
-
-STUDY = Study(
-    "fig-9-2", "gauge-regression", "Stiffness of the force gauge", "thesis figure 9-2, Appendix E", _study, ("gauge-staircase",)
-)

@@ -12,7 +12,7 @@ from analysis.linear import LinearModel, OperatingPoint, Target, linear_model
 from analysis.readings import TENTH, above, below
 from experiments.library import find
 from experiments.signals import rms
-from experiments.study import Curve, Panel, Studied, Study
+from experiments.study import Curve, Panel, Studied
 from experiments.trace import Reals, Trace
 from services.controller.params import DOWN_UP_GAINS
 from shared.units import A_PER_MA, A_PER_RAD_PER_MA_PER_DEG
@@ -78,7 +78,7 @@ def answer(experiment: str, point: OperatingPoint, output: int, times_s: Reals) 
     return np.asarray(np.interp(times_s, t_s, np.asarray(found.outputs[output])))
 
 
-def _gain_study(_: Sequence[Trace]) -> Studied:
+def largest_gain_study(_: Sequence[Trace]) -> Studied:
     gains = np.array([ultimate_gain(spool_ma) for spool_ma in CURRENTS_MA.tolist()])
     kp = DOWN_UP_GAINS.kp_a_per_rad / A_PER_RAD_PER_MA_PER_DEG
     curves = (
@@ -94,7 +94,7 @@ def _gain_study(_: Sequence[Trace]) -> Studied:
     return Studied((Panel("spool, mA", "K_P, mA/deg", curves, log_y=True),), verdicts)
 
 
-def _stability_study(_: Sequence[Trace]) -> Studied:
+def stability_study(_: Sequence[Trace]) -> Studied:
     decays, modulus = [], []
     for spool_ma in SHOWN_MA:
         models = [
@@ -133,7 +133,7 @@ def _stability_study(_: Sequence[Trace]) -> Studied:
     return Studied(panels, verdicts)
 
 
-def _response_study(traces: Sequence[Trace]) -> Studied:
+def response_study(traces: Sequence[Trace]) -> Studied:
     free, soft = traces
     moved = free.x_m[0, 2] - free.x_m[:, 2]  # down is positive
     wanted = answer(FREE, FAST, 0, free.t_s)
@@ -149,23 +149,3 @@ def _response_study(traces: Sequence[Trace]) -> Studied:
         below("Soft plate: the rig off the linear model, rms over the step", "%", 100.0 * TENTH, off_n, _SHARED),
     )
     return Studied(panels, verdicts)
-
-
-STUDIES = (
-    Study("largest-gain", "loop-gain", "Largest stable proportional gain", "thesis Appendix C, step 1", _gain_study),
-    Study(
-        "linear-response",
-        "linear-against-rig",
-        "The linearised model against the rig",
-        "thesis 5.2 and 5.3, by the model of 3.2",
-        _response_study,
-        (FREE, SOFT),
-    ),
-    Study(
-        "linear-stability",
-        "stability-over-stiffness",
-        "Stability of the linearised model over the target stiffness",
-        "thesis 6.2.1, by the model of 3.2",
-        _stability_study,
-    ),
-)

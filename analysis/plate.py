@@ -5,7 +5,7 @@ from collections.abc import Sequence
 import numpy as np
 
 from analysis.readings import printed
-from experiments.study import Curve, Panel, Studied, Study
+from experiments.study import Curve, Panel, Studied
 from experiments.trace import Trace
 from services.plant.params import UNIMATE
 
@@ -38,7 +38,7 @@ def in_series_n_per_m(one: float, other: float) -> float:
     return one * other / (one + other)
 
 
-def _study(_: Sequence[Trace]) -> Studied:
+def plate_study(_: Sequence[Trace]) -> Studied:
     soft, stiff = plate_stiffness_n_per_m(SOFT_SPAN_M), plate_stiffness_n_per_m(STIFF_SPAN_M)
     gauge = UNIMATE.sensor_stiffness_n_per_m
     twentieth, tenth = (plate_stiffness_n_per_m(SOFT_SPAN_M, share) / soft for share in (0.05, 0.10))
@@ -68,6 +68,3 @@ def _study(_: Sequence[Trace]) -> Studied:
         printed("Stiff plate and gauge in series", "kN/m", 25.0, 1.0, in_series_n_per_m(stiff, gauge) / KILO, _SERIES),
     )
     return Studied(panels, verdicts)
-
-
-STUDY = Study("fig-9-1", "plate-stiffness", "Stiffness of the test plate", "thesis figure 9-1, Appendix D", _study)

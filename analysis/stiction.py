@@ -6,7 +6,7 @@ import numpy as np
 
 from analysis.readings import HALF, TENTH, above, below
 from experiments.motion import first_motion_s
-from experiments.study import Curve, Panel, Studied, Study
+from experiments.study import Curve, Panel, Studied
 from experiments.trace import Reals, Trace, window
 from services.controller.laws import stiction_rate
 from services.controller.params import DOWN_UP_GAINS
@@ -38,7 +38,7 @@ def signals(trace: Trace) -> tuple[Reals, Reals, Reals, Reals]:
     return trace.t_s, error, rate, np.concatenate(([0.0], np.cumsum(steps)))
 
 
-def _signals_study(traces: Sequence[Trace]) -> Studied:
+def signals_study(traces: Sequence[Trace]) -> Studied:
     shown = window(traces[0], 0.0, SHOWN_S)
     times, error, rate, integral = signals(shown)
     free_s = first_motion_s(shown, "q2")
@@ -67,7 +67,7 @@ def half_factor_rate(set_rates: Reals) -> Reals:
     return np.asarray(np.abs(set_rates) / np.sqrt(DOWN_UP_GAINS.stiction_selectivity))
 
 
-def _plane_study(_: Sequence[Trace]) -> Studied:
+def plane_study(_: Sequence[Trace]) -> Studied:
     axis = np.linspace(-RATES_DEG_PER_S, RATES_DEG_PER_S, 161)
     rates, wanted = (grid.ravel() for grid in np.meshgrid(axis, axis))
     surface = estimate_deg_per_s(rates, wanted)
@@ -91,9 +91,3 @@ def _plane_study(_: Sequence[Trace]) -> Studied:
         below("Estimate at half of the wanted velocity, over that when stuck", "1", TENTH, moving, _MOTION),
     )
     return Studied(panels, verdicts)
-
-
-STUDIES = (
-    Study("fig-4-14", "stiction-signals", "Error signals in stiction", "thesis figure 4-14, 4.5.3", _signals_study, ("fig-4-9",)),
-    Study("fig-4-15", "stiction-plane", "Stiction error over the velocity plane", "thesis figure 4-15, 4.5.3", _plane_study),
-)

@@ -6,7 +6,7 @@ import numpy as np
 
 from analysis.readings import HALF, TENTH, about, above, below
 from experiments.signals import COUNT_RAD, rms
-from experiments.study import Curve, Panel, Studied, Study
+from experiments.study import Curve, Panel, Studied
 from experiments.trace import Reals, Trace
 from services.controller.regression import POINTS, filled_window, push, velocities
 from shared.units import NS_PER_S, RAD_PER_DEG
@@ -100,7 +100,7 @@ def distortion(points: int) -> float:
     return rms(regressed_deg_per_s(points, 0.0) - true) / rms(true)
 
 
-def _position_study(_: Sequence[Trace]) -> Studied:
+def position_study(_: Sequence[Trace]) -> Studied:
     times = profile_times_s()
     actual = position_deg(times)
     curves = (
@@ -118,7 +118,7 @@ def _position_study(_: Sequence[Trace]) -> Studied:
     return Studied((Panel("time, s", "position, deg", curves),), (verdict,))
 
 
-def _velocity_study(_: Sequence[Trace]) -> Studied:
+def velocity_study(_: Sequence[Trace]) -> Studied:
     times = profile_times_s()
     true = velocity_deg_per_s(times)
     panels = tuple(
@@ -150,9 +150,3 @@ def _velocity_study(_: Sequence[Trace]) -> Studied:
         above("100 points: greatly distorted", "%", 100.0 * TENTH, 100.0 * distortion(100), _HUNDRED),
     )
     return Studied(panels, verdicts)
-
-
-STUDIES = (
-    Study("fig-9-7", "regression-profile", "Test position profile", "thesis figure 9-7, Appendix B", _position_study),
-    Study("fig-9-8", "regression-points", "Velocity by 2 to 100 points", "thesis figure 9-8, Appendix B", _velocity_study),
-)

@@ -96,9 +96,17 @@ def within_band(claim: Stated, measured: float) -> bool:
 
 
 def band(claim: Stated) -> str:
-    """The claim's band in words, e.g. `within 3.2..3.4 s`."""
-    limits = {"above": f"{claim.low:g}", "below": f"{claim.high:g}", "within": f"{claim.low:g}..{claim.high:g}"}
-    return f"{claim.comparison} {limits[claim.comparison]} {claim.unit}"
+    """The claim's band in words, e.g. `within 3.2..3.4 s`, `exactly 1 counts`."""
+    if claim.comparison == "within" and claim.low == claim.high:
+        return f"exactly {quantity(claim.low, claim.unit)}"
+    if claim.comparison == "within":
+        return f"within {claim.low:.4g}..{quantity(claim.high, claim.unit)}"
+    return f"{claim.comparison} {quantity(claim.low if claim.comparison == 'above' else claim.high, claim.unit)}"
+
+
+def quantity(value: float, unit: Unit, digits: int = 4) -> str:
+    """A number with its unit, unless it is a plain number."""
+    return f"{value:.{digits}g}" + ("" if unit == "1" else f" {unit}")
 
 
 def dimension(metric: MetricName, channel: ChannelName) -> Dimension:

@@ -4,10 +4,11 @@ import io
 
 from junitparser import Error, Failure, JUnitXml, TestCase, TestSuite
 
+from experiments.claims import band
 from reproduction.plan import CHAPTERS
 from reproduction.report import Report
 from reproduction.tally import Result, Tally, failures
-from reproduction.words import measured, stated, verdict
+from reproduction.words import measured, verdict
 
 
 def junit(report: Report) -> str:
@@ -31,14 +32,14 @@ def junit(report: Report) -> str:
 
 def _case(made: Result, one: Tally, why: dict[tuple[str, str], str]) -> TestCase:
     case = TestCase(one.claim.statement, made.figure.name)
-    case.system_out = f"stated {stated(one)}; measured {measured(one)}; {verdict(one)}"
+    case.system_out = f"stated {band(one.claim)}; measured {measured(one)}; {verdict(one)}"
     if one.holds:
         return case
     reason = why[made.figure.name, one.claim.statement] or "unexplained"
-    text = f"stated: {stated(one)}\nmeasured: {measured(one)}\nsource: {one.claim.source}\nexplanation: {reason}"
+    text = f"stated: {band(one.claim)}\nmeasured: {measured(one)}\nsource: {one.claim.source}\nexplanation: {reason}"
     if made.tripped or made.gaps:
         case.result = [Error("; ".join((*made.tripped, *made.gaps)), "no verdict")]
     else:
-        case.result = [Failure(f"{verdict(one)}: stated {stated(one)}, measured {measured(one)}", "claim")]
+        case.result = [Failure(f"{verdict(one)}: stated {band(one.claim)}, measured {measured(one)}", "claim")]
     case.result[0].text = text
     return case

@@ -4,6 +4,7 @@ from itertools import groupby
 
 from jinja2 import Environment, PackageLoader
 
+from experiments.claims import band
 from experiments.pairs import PairClaim
 from reproduction import words
 from reproduction.explanations import explanation
@@ -28,7 +29,7 @@ def page(report: Report) -> str:
         heading=heading,
         why=_why,
         parameters=differences,
-        stated=words.stated,
+        band=band,
         measured=words.measured,
         verdict=words.verdict,
         duration=words.duration,

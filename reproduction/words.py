@@ -10,15 +10,6 @@ def number(value: float) -> str:
     return f"{value:.3g}" if math.isfinite(value) else "-"
 
 
-def stated(one: Tally) -> str:
-    """The band, in four digits; its unit unless it is a plain number."""
-    claim = one.claim
-    if claim.comparison == "within" and claim.low == claim.high:
-        return f"exactly {claim.low:.4g}{_unit(one)}"
-    limits = {"above": f"{claim.low:.4g}", "below": f"{claim.high:.4g}", "within": f"{claim.low:.4g}..{claim.high:.4g}"}
-    return f"{claim.comparison} {limits[claim.comparison]}{_unit(one)}"
-
-
 def measured(one: Tally) -> str:
     """The value, or over several seeds mean, spread and range."""
     unit = _unit(one)

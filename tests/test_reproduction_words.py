@@ -3,10 +3,10 @@ import math
 import pytest
 from reproduction_scene import CLAIM, computed, trial, verdicts
 
-from experiments.claims import verdict
+from experiments.claims import band, verdict
 from experiments.study import Statement
 from reproduction.tally import tally
-from reproduction.words import briefly, duration, measured, number, stated
+from reproduction.words import briefly, duration, measured, number
 from reproduction.words import verdict as verdict_words
 
 
@@ -27,8 +27,8 @@ def test_what_is_not_determined_is_said():
 
 
 def test_the_band_is_stated_with_its_unit():
-    assert stated(tally(verdicts(1, 1))) == "below 160 N"
-    assert stated(computed().tallies[0]) == "within 1..2 mm"
+    assert band(tally(verdicts(1, 1)).claim) == "below 160 N"
+    assert band(computed().tallies[0].claim) == "within 1..2 mm"
     once = Statement("Once", "within", "counts", 1.0, 1.0)
     assert stated(tally([verdict(once, 1.0)])) == "exactly 1 counts"
 

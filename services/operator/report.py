@@ -8,7 +8,7 @@ from typing import Any, NamedTuple
 from rich.console import Console
 from rich.table import Table
 
-from experiments.claims import Verdict, band
+from experiments.claims import Verdict, band, quantity
 from experiments.experiment import Experiment
 from shared.kernel import source_version
 from shared.process import EXIT_CLAIM, EXIT_OK, EXIT_TRANSPORT, EXIT_TRIPPED
@@ -66,7 +66,7 @@ def claims_table(verdicts: tuple[Verdict, ...]) -> Table:
         table.add_column(column, overflow="fold")
     for verdict in verdicts:
         mark = "[green]yes[/]" if verdict.holds else "[red]NO[/]"
-        table.add_row(verdict.claim.statement, band(verdict.claim), f"{verdict.measured:.3g} {verdict.claim.unit}", mark)
+        table.add_row(verdict.claim.statement, band(verdict.claim), quantity(verdict.measured, verdict.claim.unit, 3), mark)
     return table
 
 
@@ -96,7 +96,7 @@ def markdown(report: Report) -> str:
     lines += [f"**warning**: {line}\n" for line in report.warnings]
     lines += ["| claim | stated | measured | holds |", "|---|---|---|---|"]
     lines += [
-        f"| {v.claim.statement} | {band(v.claim)} | {v.measured:.3g} {v.claim.unit} | {'yes' if v.holds else '**NO**'} |"
+        f"| {v.claim.statement} | {band(v.claim)} | {quantity(v.measured, v.claim.unit, 3)} | {'yes' if v.holds else '**NO**'} |"
         for v in report.verdicts
     ]
     return "\n".join(lines)

@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING, Annotated, Any
 
 import typer
 
-from services.operator.options import CellName, Port, app, console, fail, service_options
+from services.operator.options import CellName, Port, app, console, fail, make_folders, service_options
 from shared.bus import DEFAULT_PORT
 from shared.process import EXIT_TRANSPORT, EXIT_TRIPPED, EXIT_USAGE
 
@@ -50,8 +50,7 @@ def reproduce(
     except ExperimentError as error:
         raise fail(error, EXIT_USAGE) from None
     _usable(clock, wanted, chosen, seeds)
-    for path in (out / PAGE, json_file):
-        _folder_of(path)
+    make_folders(out / PAGE, json_file)
     began, groups = time.perf_counter(), plan.groups(chosen)
     try:
         if clock == "local":
@@ -87,14 +86,6 @@ def _usable(clock: str, wanted: list[str], chosen: "tuple[Figure, ...]", seeds: 
     if not wanted:
         raise fail(f"--clock {clock}: {len(trials)} trials take {takes} at real speed: choose some with --only", EXIT_USAGE)
     console.print(f"clock {clock}: {takes} at real speed; trials: {len(trials)}, seeds: {seeds}", highlight=False)
-
-
-def _folder_of(path: Path | None) -> None:
-    try:
-        if path is not None:
-            path.parent.mkdir(parents=True, exist_ok=True)
-    except OSError as error:
-        raise fail(f"{path}: its folder cannot be made ({error.strerror}): name another", EXIT_USAGE) from None
 
 
 def _local(groups: Any, seeds: int, workers: int) -> "list[Done]":
@@ -159,6 +150,7 @@ def write_whole(path: Path, text: str) -> None:
 def _show(report: Any, page: Path) -> None:
     from rich.table import Table
 
+    from experiments.claims import band
     from reproduction import words
     from reproduction.tally import failures
 
@@ -169,7 +161,7 @@ def _show(report: Any, page: Path) -> None:
     for column in ("figure", "claim", "stated", "measured", "holds in"):
         failed.add_column(column, overflow="fold")
     for one in failures(report.results):
-        told = (one.figure.name, one.tally.claim.statement, words.stated(one.tally), words.briefly(one.tally))
+        told = (one.figure.name, one.tally.claim.statement, band(one.tally.claim), words.briefly(one.tally))
         failed.add_row(*told, f"{one.tally.held} of {one.tally.seeds}" + ("" if one.why else "; unexplained"))
     console.print(table)
     if failed.row_count:
