@@ -34,6 +34,7 @@ def relay_ma(current_ma: Reals) -> Reals:
 
 
 def plain(_: Sequence[Trace]) -> Studied:
+    """Figure 4-12: what is added to a current, and what then reaches the valve (4.5.1)."""
     u = np.linspace(-SHOWN_MA, SHOWN_MA, 601)
     added = compensation_ma(u)
     full = np.abs(added) >= np.max(added)

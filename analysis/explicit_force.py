@@ -63,6 +63,7 @@ def settled_m_per_n(stiffness_n_per_m: float) -> float:
 
 
 def force_filter(_: Sequence[Trace]) -> Studied:
+    """Figure 6-4: answers of the filter to a unit step for several target stiffnesses."""
     times = np.linspace(0.0, TRIAL_S, 801)
     answers = [step_m_per_n(k, times) for k in STIFFNESSES_N_PER_M]
     named = [f"k = {k:g} N/m" for k in STIFFNESSES_N_PER_M]

@@ -67,6 +67,7 @@ def fit(forces_n: Reals, distances_m: Reals) -> Fit:
 
 
 def gauge_study(traces: Sequence[Trace]) -> Studied:
+    """Figure 9-2: force over deflection, measured by hand, and the line through it."""
     forces, exact = readings(traces[0])
     measured = scattered(traces[0], exact)
     bare, found = fit(forces, exact), fit(forces, measured)

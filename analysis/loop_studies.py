@@ -79,6 +79,7 @@ def answer(experiment: str, point: OperatingPoint, output: int, times_s: Reals) 
 
 
 def largest_gain_study(_: Sequence[Trace]) -> Studied:
+    """The largest stable K_P over the spool current, against Table 2."""
     gains = np.array([ultimate_gain(spool_ma) for spool_ma in CURRENTS_MA.tolist()])
     kp = DOWN_UP_GAINS.kp_a_per_rad / A_PER_RAD_PER_MA_PER_DEG
     curves = (
@@ -95,6 +96,7 @@ def largest_gain_study(_: Sequence[Trace]) -> Studied:
 
 
 def stability_study(_: Sequence[Trace]) -> Studied:
+    """Slowest pole and margin over the target stiffness, against 6.2.1."""
     decays, modulus = [], []
     for spool_ma in SHOWN_MA:
         models = [
@@ -134,6 +136,7 @@ def stability_study(_: Sequence[Trace]) -> Studied:
 
 
 def response_study(traces: Sequence[Trace]) -> Studied:
+    """Free space and soft plate: the rig beside the model."""
     free, soft = traces
     moved = free.x_m[0, 2] - free.x_m[:, 2]  # down is positive
     wanted = answer(FREE, FAST, 0, free.t_s)

@@ -39,6 +39,7 @@ def in_series_n_per_m(one: float, other: float) -> float:
 
 
 def plate_study(_: Sequence[Trace]) -> Studied:
+    """Figure 9-1: stiffness over the point of the load."""
     soft, stiff = plate_stiffness_n_per_m(SOFT_SPAN_M), plate_stiffness_n_per_m(STIFF_SPAN_M)
     gauge = UNIMATE.sensor_stiffness_n_per_m
     twentieth, tenth = (plate_stiffness_n_per_m(SOFT_SPAN_M, share) / soft for share in (0.05, 0.10))

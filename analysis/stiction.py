@@ -39,6 +39,7 @@ def signals(trace: Trace) -> tuple[Reals, Reals, Reals, Reals]:
 
 
 def signals_study(traces: Sequence[Trace]) -> Studied:
+    """Figure 4-14: velocity error, error and its integral in the first second of Figure 4-9."""
     shown = window(traces[0], 0.0, SHOWN_S)
     times, error, rate, integral = signals(shown)
     free_s = first_motion_s(shown, "q2")
@@ -68,6 +69,7 @@ def half_factor_rate(set_rates: Reals) -> Reals:
 
 
 def plane_study(_: Sequence[Trace]) -> Studied:
+    """Figure 4-15: the stiction error over measured and wanted velocity."""
     axis = np.linspace(-RATES_DEG_PER_S, RATES_DEG_PER_S, 161)
     rates, wanted = (grid.ravel() for grid in np.meshgrid(axis, axis))
     surface = estimate_deg_per_s(rates, wanted)

@@ -101,6 +101,7 @@ def distortion(points: int) -> float:
 
 
 def position_study(_: Sequence[Trace]) -> Studied:
+    """Figure 9-7: the profile, and what the encoder makes of it."""
     times = profile_times_s()
     actual = position_deg(times)
     curves = (
@@ -119,6 +120,7 @@ def position_study(_: Sequence[Trace]) -> Studied:
 
 
 def velocity_study(_: Sequence[Trace]) -> Studied:
+    """Figure 9-8: velocities by 2 to 100 points beside the true one."""
     times = profile_times_s()
     true = velocity_deg_per_s(times)
     panels = tuple(

@@ -30,7 +30,7 @@ def test_the_band_is_stated_with_its_unit():
     assert band(tally(verdicts(1, 1)).claim) == "below 160 N"
     assert band(computed().tallies[0].claim) == "within 1..2 mm"
     once = Statement("Once", "within", "counts", 1.0, 1.0)
-    assert stated(tally([verdict(once, 1.0)])) == "exactly 1 counts"
+    assert band(once) == "exactly 1 counts"
 
 
 def test_a_verdict_over_seeds_says_in_how_many():
