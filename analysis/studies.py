@@ -96,6 +96,7 @@ STUDIES: tuple[Study, ...] = (
         "Test position profile",
         "thesis figure 9-7, Appendix B",
         later("velocity", "position_study"),
+        also=("fig-9-3",),  # so in the thesis' list of figures
     ),
     Study(
         "fig-9-8",
@@ -103,5 +104,6 @@ STUDIES: tuple[Study, ...] = (
         "Velocity by 2 to 100 points",
         "thesis figure 9-8, Appendix B",
         later("velocity", "velocity_study"),
+        also=("fig-9-4",),
     ),
 )

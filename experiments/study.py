@@ -54,3 +54,4 @@ class Study(NamedTuple):
     source: str
     run: Callable[[Sequence[Trace]], Studied]
     trials: tuple[str, ...] = ()  # names of experiments
+    also: tuple[str, ...] = ()  # other names of the figure in its source

@@ -29,7 +29,7 @@ class Figure(NamedTuple):
     name: str
     subject: Experiment | Study
     chapter: str  # a key of CHAPTERS
-    also: tuple[str, ...]  # second figures of the same trial
+    also: tuple[str, ...]  # second figures of the same trial, other names of a computed figure
 
     @property
     def names(self) -> tuple[str, ...]:
@@ -76,6 +76,7 @@ def figures() -> tuple[Figure, ...]:
     """Trials in the order of the library; a computed figure stands among them by its number."""
     second = {name: tuple(figure for figure, of in SECOND_FIGURES.items() if of == name) for name in SECOND_FIGURES.values()}
     subjects: tuple[Experiment | Study, ...] = (*catalogue(), *STUDIES)
+    second |= {study.name: study.also for study in STUDIES}
     found = [Figure(s.name, s, chapter_of(s.name, s.source), second.get(s.name, ())) for s in subjects]
     places, reached = {}, dict.fromkeys(CHAPTERS, 0)
     for figure in found:

@@ -39,6 +39,11 @@ def test_an_alias_and_a_second_figure_choose_their_trial():
     assert find_figure("force-filter").computed
 
 
+def test_the_velocity_figures_answer_to_both_their_numbers():
+    assert names(["fig-9-3"]) == names(["fig-9-7"]) == ["fig-9-7"]  # in the list of figures, at the figure
+    assert names(["fig-9-4"]) == names(["fig-9-8"]) == ["fig-9-8"]
+
+
 def test_unknown_figures_are_all_answered_with_the_nearest():
     with pytest.raises(ExperimentError) as refused:
         choose(["fig-4-26", "fig-5-2", "8"])
