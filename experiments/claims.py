@@ -82,10 +82,15 @@ def verdict(stated: Stated, measured: float) -> Verdict:
 def judge(claim: Claim, trace: Trace) -> Verdict:
     """Measure `claim` on `trace`. A NaN does not hold, nor does a window that the trial did not reach the end of."""
     seen = window(trace, claim.start_s, claim.end_s)
-    if len(seen.t_s) < 2 or seen.t_s[-1] < claim.end_s - LATE_S:  # ended early: says nothing of what would have come
+    if not reaches(seen, claim.end_s):
         return Verdict(claim, math.nan, False)
     measured = METRICS[claim.metric].of(seen, claim.channel) / UNITS[claim.unit][1]
     return verdict(claim, measured)
+
+
+def reaches(seen: Trace, end_s: float) -> bool:
+    """Whether a window's rows go on to its end: a trial that ended early says nothing of what would have come."""
+    return len(seen.t_s) >= 2 and float(seen.t_s[-1]) >= end_s - LATE_S
 
 
 def within_band(claim: Stated, measured: float) -> bool:

@@ -7,7 +7,7 @@ from typing import Annotated, Literal, NamedTuple
 import numpy as np
 from annotated_types import Ge
 
-from experiments.claims import UNITS, Comparison, Unit, Verdict, verdict
+from experiments.claims import UNITS, Comparison, Unit, Verdict, reaches, verdict
 from experiments.metrics import METRICS, MetricName
 from experiments.signals import LINKS, ChannelName, control, measured, rms
 from experiments.trace import Reals, Trace, window
@@ -38,9 +38,9 @@ class PairClaim(NamedTuple):
 
 
 def judge_pair(claim: PairClaim, of: Trace, against: Trace) -> Verdict:
-    """Measure `claim` on its two traces; a window that either does not determine is NaN and does not hold."""
+    """Measure `claim` on its two traces; a window that either does not determine, or ended within, is NaN and fails."""
     one, other = window(of, claim.start_s, claim.end_s), window(against, claim.start_s, claim.end_s)
-    if len(one.t_s) < 2 or len(other.t_s) < 2:
+    if not (reaches(one, claim.end_s) and reaches(other, claim.end_s)):
         return verdict(claim, math.nan)
     if claim.metric is not None:
         metric = METRICS[claim.metric].of
