@@ -29,7 +29,7 @@ _STEADY = (
 _RAMP_OVERSHOOT = 'thesis 4.3: "Ramp tests also showed overshoot in the manipulator response."'
 _MORSE_OVERSHOOT = 'thesis 4.4: "Finally, overshoot remained in ramp and sine wave tracking."'
 _MORSE_RAMPS = (
-    'thesis 4.4: "a ten-fold increase in the integral gain, improving tracking in ramp tests (Figure 4-7 and Figure 4-9)."'
+    'thesis 4.4: "a ten-fold increase in the integral gain ... improving tracking in ramp tests (Figure 4-7 and Figure 4-9)."'
 )
 _MORSE_SINE = (
     'thesis 4.4: "Figure 4-11, which shows greatly improved sine wave tracking at large amplitudes, '

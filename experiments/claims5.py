@@ -42,7 +42,7 @@ _STIFF_ERROR = (
 _QUIET = 'thesis 5.3: "The control signal in both environments showed no sign of inducing any further motions."'
 _UPWARD = (
     'thesis 5.4: "able to track even these small changes while moving down, but upward motions were less controlled"; '
-    '"highly oscillatory behaviour of the control signal observed during upwards motions under large forces '
+    '"highly oscillatory behaviour of the control signal observed during upwards motions under large forces ... '
     '(best seen between 7 and 9 seconds in Figure 5-8)."'
 )
 _SMALL = (

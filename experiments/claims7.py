@@ -1,8 +1,9 @@
 """What chapter 7 of the thesis says of prolonged contact, as bands.
 
 A limit cycle is the link going there and back, by two encoder counts or more, more than once. "Eventual" is read as: in
-the second half of the trial; "approximately 3 mm" as 2.5 to 3.5 mm, 3 mm being 0.17 deg at the lever of 1 m; "sporadic"
-as a pause in which a whole cycle of two turns would have had its place; "appeared to increase" as any increase.
+the second half of the trial, or at any time where cycles are "sporadic"; "approximately 3 mm" as 2.5 to 3.5 mm, 3 mm being
+0.17 deg at the lever of 1 m; "sporadic" as a pause in which a whole cycle of two turns would have had its place; "appeared
+to increase" as any increase.
 """
 
 from experiments.claims import Claim

@@ -64,7 +64,7 @@ HELD = {True: CHAPTER_5["fig-5-5"], False: CHAPTER_5["fig-5-6"]}  # by soft plat
 UNHELD = (
     Claim(
         "A low target stiffness still cycles",
-        "control_reversals",
+        "cycles",
         "q2",
         "above",
         10.0,
