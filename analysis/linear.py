@@ -159,9 +159,15 @@ def position(gains: LinkGains, law: str, plant: PlantConfig, link: LinkParams, l
 
 
 def linear_model(experiment: Experiment, point: OperatingPoint = SLOW_MOTION) -> LinearModel:
-    """The model of an impedance experiment. ValueError for another target or a shut port."""
-    if experiment.controller.target != "impedance":
-        raise ValueError(f"controller.target is {experiment.controller.target}: the linear model needs impedance")
+    """The model of an impedance experiment. ValueError for what it has no term for, or a shut port."""
+    config = experiment.controller
+    if config.target != "impedance":
+        raise ValueError(f"controller.target is {config.target}: the linear model needs impedance")
+    if config.law == "torque":
+        raise ValueError("controller.law is torque: the linear model has no load fed forward; take final")
+    if config.adaptation.kind != "none":
+        kind = config.adaptation.kind
+        raise ValueError(f"controller.adaptation.kind is {kind}: the linear model's target is constant; take none")
     plant, machine = experiment.plant, experiment.plant.machine
     index = OUT_IN if plant.environment.kind == "crate" else DOWN_UP
     link = (machine.rotate, machine.down_up, machine.out_in)[index]

@@ -49,10 +49,10 @@ def dotted(location: Location) -> str:
     return ".".join(str(part) for part in location)
 
 
-def nearest(name: str, known: Iterable[str]) -> str:
-    """The names most like `name`, or all if none is."""
+def nearest(name: str, known: Iterable[str], otherwise: str = "") -> str:
+    """The names most like `name`; if none is, `otherwise`, or all of them."""
     names = sorted(known)
-    return ", ".join(difflib.get_close_matches(name, names, 3, 0.5) or names)
+    return ", ".join(difflib.get_close_matches(name, names, 3, 0.5)) or otherwise or ", ".join(names)
 
 
 def names_at(schema: Any, location: Location) -> tuple[str, ...]:

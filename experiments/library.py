@@ -36,6 +36,6 @@ def find(name_or_alias: str) -> Experiment:
     """The experiment of that name, alias or second figure. Raises ExperimentError with the nearest names."""
     known = _index()
     if name_or_alias not in known:
-        hint = nearest(name_or_alias, known)
+        hint = nearest(name_or_alias, known, "those that `hydrohil list` shows")
         raise ExperimentError([f"{name_or_alias} is no experiment: use one of {hint}"])
     return known[name_or_alias]

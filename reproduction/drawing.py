@@ -6,6 +6,7 @@ import textwrap
 from collections.abc import Iterable, Mapping
 from itertools import cycle
 from typing import Any, NamedTuple
+from xml.sax.saxutils import quoteattr
 
 import matplotlib
 from matplotlib.axes import Axes
@@ -62,15 +63,15 @@ _RC: dict[Any, Any] = {
 }
 
 
-def svg(picture: Picture, key: str) -> str:
-    """`picture` as an SVG element; `key` makes its names unique on the page."""
+def svg(picture: Picture, key: str, label: str) -> str:
+    """`picture` as an SVG element; `key` makes its names unique on the page, `label` tells who cannot see it what it is."""
     with matplotlib.rc_context({**_RC, "svg.hashsalt": key}):
         canvas = draw(picture)
         file = io.StringIO()
         canvas.savefig(
             file, format="svg", transparent=True, metadata={"Date": None, "Creator": None, "Type": None, "Format": None}
         )
-    return slim(file.getvalue(), key)
+    return slim(file.getvalue(), key, label)
 
 
 def draw(picture: Picture) -> Canvas:
@@ -140,7 +141,7 @@ def _draw_curve(axes: Axes, curve: Curve, style: Style) -> None:
         axes.plot(seen.x, seen.y, style.line, linewidth=style.width, **look)
 
 
-def slim(drawn: str, key: str) -> str:
+def slim(drawn: str, key: str, label: str) -> str:
     """The SVG element alone: tenths of a point, names that are its own, the page's colour and font."""
     element = drawn[drawn.index("<svg") :]
     element = re.sub(r"<metadata>.*?</metadata>|<style.*?</style>", "", element, flags=re.DOTALL)
@@ -149,7 +150,8 @@ def slim(drawn: str, key: str) -> str:
     element = re.sub(r'(url\(#|href="#)', rf"\g<1>{key}-", element)
     element = re.sub(r'( d=")([^"]*)', lambda path: path[1] + _short(path[2]), element)
     element = re.sub(r"font: (\d+)(?:\.\d+)?px [^;\"]*", r"font: \1px sans-serif", element)
-    element = re.sub(r'<svg[^>]*viewBox="([^"]*)"[^>]*>', r'<svg viewBox="\1" role="img">', element, count=1)
+    name = f'role="img" aria-label={quoteattr(label)}'
+    element = re.sub(r'<svg[^>]*viewBox="([^"]*)"[^>]*>', lambda box: f'<svg viewBox="{box[1]}" {name}>', element, count=1)
     return re.sub(r"\n\s*", "\n", element.replace(INK, "currentColor")).replace("xlink:href", "href")
 
 

@@ -75,7 +75,8 @@ def judged(job: Job, played: Mapping[str, Played]) -> Done:
 
 def _drawn(figure: Figure, played: Mapping[str, Played], seen: Found) -> tuple[Drawing, ...]:
     made = enumerate(_pictures(figure, played, seen))
-    return tuple(Drawing(picture.title, svg(picture, f"{figure.name}-{number}")) for number, picture in made)
+    title = figure.subject.title
+    return tuple(Drawing(p.title, svg(p, f"{figure.name}-{number}", f"{p.title or 'Plot'}: {title}")) for number, p in made)
 
 
 def _pictures(figure: Figure, played: Mapping[str, Played], seen: Found) -> tuple[Picture, ...]:

@@ -92,7 +92,8 @@ def find_figure(name: str) -> Figure:
     """The figure of any of its names. Raises ExperimentError with the nearest names."""
     known = {alias: figure for figure in figures() for alias in figure.names}
     if name not in known:
-        raise ExperimentError([f"{name} is no figure: use a chapter ({', '.join(CHAPTERS)}) or one of {nearest(name, known)}"])
+        hint = nearest(name, known, "those that `hydrohil list` shows")
+        raise ExperimentError([f"{name} is no figure: use a chapter ({', '.join(CHAPTERS)}) or one of {hint}"])
     return known[name]
 
 

@@ -59,6 +59,8 @@ def test_no_statement_occurs_twice_in_a_figure():
 def test_an_unknown_name_is_answered_with_the_nearest():
     with pytest.raises(ExperimentError, match=r"fig-4-26 is no experiment: use one of .*fig-4-2"):
         find("fig-4-26")
+    with pytest.raises(ExperimentError, match=r"^junk is no experiment: use one of those that `hydrohil list` shows$"):
+        find("junk")
 
 
 def test_every_trial_of_chapters_four_and_five_is_there():

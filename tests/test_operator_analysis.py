@@ -17,6 +17,7 @@ def test_linear_prints_poles_margins_and_gains():
     assert shown.exit_code == 0, shown.output
     for word in ("damping", "gain margin", "modulus margin", "F/F_d 1.005", "stable"):
         assert word in shown.stdout
+    assert "unstable" not in shown.stdout
 
 
 def test_as_json_it_is_whole_and_knows_no_infinity():
@@ -50,7 +51,9 @@ def test_bode_plots_are_written(tmp_path):
         (("fig-4-2",), "controller.target is joint"),
         (("fig-5-5", "--current-ma", "36"), "overlap of 36 mA"),
         (("fig-5-55",), "is no experiment"),
-        (("fig-5-5", "--png", "/proc/no/bode.png"), "cannot be written"),
+        (("fig-5-5", "--png", "/proc/no/bode.png"), "cannot be made"),
+        (("torque-static-force-stiff-plate",), "controller.law is torque"),
+        (("adaptive-offset",), "controller.adaptation.kind is offset"),
     ],
 )
 def test_what_has_no_linear_model_is_refused_in_one_line(arguments, said):

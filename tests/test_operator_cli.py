@@ -178,3 +178,12 @@ def test_down_without_up_says_so():
     down = hydrohil("down", "--cell", "nobody-started-this")
     assert down.exit_code == 2
     assert "hydrohil up" in down.stderr
+
+
+@pytest.mark.parametrize("option", ["--json", "--trace"])
+def test_a_full_disk_and_a_folder_in_place_of_a_file_are_told_in_one_line_and_are_no_failed_claim(option: str, tmp_path: Path):
+    folder = hydrohil("run", EXPERIMENT, *LOCAL, option, str(tmp_path))
+    full = hydrohil("run", EXPERIMENT, *LOCAL, option, "/dev/full")
+    assert (folder.exit_code, full.exit_code) == (2, 2)
+    assert "is a folder" in folder.stderr and "No space left" in full.stderr
+    assert len(full.stderr.strip().splitlines()) == 1

@@ -1,5 +1,6 @@
 """`hydrohil reproduce` from the command line, on the local clock."""
 
+import errno
 import json
 import os
 import signal
@@ -119,3 +120,24 @@ def test_a_file_is_written_whole_or_not_at_all(tmp_path: Path):
         write_whole(path, "half \ud800 a character")
     assert path.read_text() == "old"
     assert [found.name for found in tmp_path.iterdir()] == ["page.html"]
+
+
+def test_a_pipe_is_written_to_and_stays_one(tmp_path: Path):
+    path = tmp_path / "pipe"
+    os.mkfifo(path)
+    end = os.open(path, os.O_RDONLY | os.O_NONBLOCK)
+    write_whole(path, "all of it")
+    assert os.read(end, 100) == b"all of it"
+    os.close(end)
+    assert path.is_fifo()
+
+
+def test_a_full_disk_takes_the_files_and_not_the_verdicts(tmp_path: Path, monkeypatch: pytest.MonkeyPatch):
+    def full(*_: object) -> None:
+        raise OSError(errno.ENOSPC, os.strerror(errno.ENOSPC))
+
+    monkeypatch.setattr("services.operator.reproduce_command.write_whole", full)
+    run = reproduce(COMPUTED, "--workers", "1", "--out", str(tmp_path))
+    assert run.exit_code == 2  # 1 would say that a claim fails
+    assert "claims hold" in run.stdout
+    assert "cannot be written (No space left on device)" in run.stderr

@@ -60,10 +60,11 @@ def test_panels_of_a_study_are_stacked_only_over_the_same_axis():
 
 def test_a_drawing_is_one_valid_element_with_names_of_its_own_and_the_page_s_ink():
     (made,) = pictures(find("fig-5-8"), trace())
-    element = svg(made, "fig-5-8-0")
+    element = svg(made, "fig-5-8-0", 'steps of 5 N, "up" & down')
     parsed = ElementTree.fromstring(element)
     ids = [node.get("id") for node in parsed.iter() if node.get("id")]
     assert parsed.tag == "svg" and ids and all(name.startswith("fig-5-8-0-") for name in ids)
+    assert parsed.get("role") == "img" and parsed.get("aria-label") == 'steps of 5 N, "up" & down'
     assert INK not in element and "currentColor" in element
     assert "force, N" in element and "set-point" in element
     assert STYLES[SET_POINT].colour in element and "stroke-dasharray" in element
@@ -72,4 +73,4 @@ def test_a_drawing_is_one_valid_element_with_names_of_its_own_and_the_page_s_ink
 
 def test_two_drawings_of_the_same_are_equal():
     picture = Picture("", (Panel("x", "y", (Curve("a", T_S, T_S), Curve("b", T_S, -T_S, points=True)), log_x=True),))
-    assert svg(picture, "k") == svg(picture, "k")
+    assert svg(picture, "k", "l") == svg(picture, "k", "l")

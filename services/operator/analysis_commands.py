@@ -7,7 +7,7 @@ from typing import Annotated, Any
 import typer
 
 from services.operator.experiment_commands import experiment_of
-from services.operator.options import AsJson, app, console, fail
+from services.operator.options import AsJson, Settings, app, console, fail, make_folders
 from shared.process import EXIT_USAGE
 from shared.units import A_PER_MA
 
@@ -17,7 +17,7 @@ _SHOWN = (0.01, 30.0)  # Hz, of the Bode plots
 @app.command()
 def linear(
     name: Annotated[str, typer.Argument(help="Name, alias, or a TOML file of an impedance experiment.")],
-    settings: Annotated[list[str] | None, typer.Option("--set", metavar="PATH=VALUE", help="Change one value.")] = None,
+    settings: Settings = None,
     current_ma: Annotated[
         float, typer.Option(help="Spool position as a valve current, at which the orifice is linearised.", min=0.0, max=600.0)
     ] = 120.0,
@@ -31,8 +31,9 @@ def linear(
 
     Examples: `hydrohil linear fig-5-5`, `hydrohil linear fig-5-9 --current-ma 60 --png bode.png`
     """
+    make_folders(png)
     experiment = experiment_of(name, settings)
-    from analysis.closed_loop import loop_margins, poles, steady
+    from analysis.closed_loop import is_stable, loop_margins, poles, steady
     from analysis.linear import OperatingPoint, linear_model
 
     try:
@@ -43,6 +44,7 @@ def linear(
     found = {
         "experiment": experiment.name,
         "current_ma": current_ma,
+        "stable": is_stable(model),
         "poles": [pole._asdict() for pole in poles(model)],
         "loop": loop_margins(model)[0]._asdict(),
         "valve_loop": loop_margins(model)[1]._asdict(),
@@ -80,13 +82,13 @@ def _print(found: dict[str, Any]) -> None:
         numbers = (seen["gain"], seen["gain_rad_per_s"], seen["phase_deg"], seen["phase_rad_per_s"], seen["modulus"])
         table.add_row(words, *(f"{number:.4g}" for number in numbers))
     console.print(table)
-    gains, unstable = found["steady"], [pole for pole in found["poles"] if pole["real_per_s"] >= 0.0]
+    gains = found["steady"]
     console.print(
         f"at rest: X/X_d {gains['x_per_x_d']:.4g}, X/F_d {gains['x_per_f_d_m_per_n']:.4g} m/N, "
         f"F/X_d {gains['f_per_x_d_n_per_m']:.4g} N/m, F/F_d {gains['f_per_f_d']:.4g}",
         highlight=False,
     )
-    console.print("[red]unstable[/]" if unstable else "stable")
+    console.print("stable" if found["stable"] else "[red]unstable[/]")
 
 
 def _plot(model: Any, path: Path, title: str) -> None:
@@ -94,7 +96,6 @@ def _plot(model: Any, path: Path, title: str) -> None:
     from analysis.bode import save_bode
 
     try:
-        path.parent.mkdir(parents=True, exist_ok=True)
         save_bode(model, path, title, _SHOWN)
     except (OSError, ValueError) as error:
         raise fail(f"{path}: cannot be written ({error}): name a .png file elsewhere", EXIT_USAGE) from None

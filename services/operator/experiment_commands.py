@@ -9,7 +9,18 @@ from typing import Annotated, Any
 
 import typer
 
-from services.operator.options import AsJson, CellName, Port, app, console, fail, make_folders, service_options
+from services.operator.options import (
+    AsJson,
+    CellName,
+    Port,
+    Settings,
+    app,
+    console,
+    fail,
+    make_folders,
+    service_options,
+    writing,
+)
 from shared.bus import DEFAULT_PORT
 from shared.process import EXIT_TRANSPORT, EXIT_TRIPPED, EXIT_USAGE
 
@@ -41,7 +52,7 @@ def list_experiments(as_json: AsJson = False) -> None:
 def show(
     name: Annotated[str, typer.Argument(help="Name, alias, or a TOML file.")],
     toml: Annotated[bool, typer.Option("--toml", help="Print the whole experiment, every default spelled out.")] = False,
-    settings: Annotated[list[str] | None, typer.Option("--set", metavar="PATH=VALUE", help="Change one value.")] = None,
+    settings: Settings = None,
 ) -> None:
     """Show an experiment; `--toml` prints a file that runs.
 
@@ -66,7 +77,7 @@ def show(
 def run(
     name: Annotated[str, typer.Argument(help="Name, alias, or a TOML file.")],
     clock: Annotated[str, typer.Option(help="real, lockstep or local.")] = "real",
-    settings: Annotated[list[str] | None, typer.Option("--set", metavar="PATH=VALUE", help="Change one value.")] = None,
+    settings: Settings = None,
     seed: Annotated[int, typer.Option(min=0, help="Of noise and jitter.")] = 0,
     json_file: Annotated[Path | None, typer.Option("--json", help="Write the report.")] = None,
     trace_file: Annotated[Path | None, typer.Option("--trace", help="Write every sample (.npz).")] = None,
@@ -104,7 +115,8 @@ def run(
         raise fail("interrupted: valves at zero, disarmed", 130) from None
     reports.show(console, report)
     if json_file is not None:
-        reports.write_json(json_file, report)
+        with writing(json_file):
+            reports.write_json(json_file, report)
     raise typer.Exit(report.exit_status)
 
 

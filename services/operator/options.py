@@ -1,6 +1,9 @@
 """What every command of `hydrohil` shares: the application, its consoles, its options."""
 
+import os
 import sys
+from collections.abc import Iterator
+from contextlib import contextmanager
 from pathlib import Path
 from typing import Annotated
 
@@ -21,6 +24,10 @@ errors = Console(stderr=True, highlight=False, soft_wrap=True)
 
 CellName = Annotated[str, typer.Option("--cell", help="Name of the cell.")]
 Port = Annotated[int, typer.Option("--port", help="First of the cell's four ports.", min=1024, max=65000)]
+Settings = Annotated[
+    list[str] | None,
+    typer.Option("--set", metavar="PATH=VALUE", help="Change one value, as TOML: controller.acting=[true,false,true]."),
+]
 AsJson = Annotated[bool, typer.Option("--json", help="Print JSON.")]
 
 
@@ -31,13 +38,26 @@ def fail(message: object, status: int) -> typer.Exit:
 
 
 def make_folders(*files: Path | None) -> None:
-    """Make the folder of every file that a command will write; exit 2 where that is impossible."""
+    """Make the folder of every file that a command will write; exit 2 where that, or a file there, is impossible."""
     for path in files:
         try:
             if path is not None:
                 path.parent.mkdir(parents=True, exist_ok=True)
         except OSError as error:
             raise fail(f"{path}: its folder cannot be made ({error.strerror}): name another", EXIT_USAGE) from None
+        if path is not None and path.is_dir():
+            raise fail(f"{path}: is a folder: name a file", EXIT_USAGE)
+        if path is not None and not os.access(path if path.exists() else path.parent, os.W_OK):
+            raise fail(f"{path}: cannot be written (permission denied): name another", EXIT_USAGE)
+
+
+@contextmanager
+def writing(path: Path) -> Iterator[None]:
+    """Exit 2, with one line, where `path` cannot be written after all: a full disk is no failed claim."""
+    try:
+        yield
+    except OSError as error:
+        raise fail(f"{path}: cannot be written ({error.strerror or error}): make room or name another", EXIT_USAGE) from None
 
 
 def service_options(permit_ttl_ms: float | None, *, realtime: bool) -> dict[str, list[str]]:

@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING, Annotated, Any
 
 import typer
 
-from services.operator.options import CellName, Port, app, console, fail, make_folders, service_options
+from services.operator.options import CellName, Port, app, console, fail, make_folders, service_options, writing
 from shared.bus import DEFAULT_PORT
 from shared.process import EXIT_TRANSPORT, EXIT_TRIPPED, EXIT_USAGE
 
@@ -50,7 +50,7 @@ def reproduce(
     except ExperimentError as error:
         raise fail(error, EXIT_USAGE) from None
     _usable(clock, wanted, chosen, seeds)
-    make_folders(out / PAGE, json_file)
+    make_folders(out / PAGE, out / JUNIT, json_file)
     began, groups = time.perf_counter(), plan.groups(chosen)
     try:
         if clock == "local":
@@ -131,14 +131,18 @@ def _finish(
     texts = {out / PAGE: page(report), out / JUNIT: junit(report)}
     if json_file is not None:
         texts[json_file] = to_json(report)
+    _show(report, out / PAGE)  # first: a full disk takes the files, not the verdicts
     for path, text in texts.items():
-        write_whole(path, text)
-    _show(report, out / PAGE)
+        with writing(path):
+            write_whole(path, text)
     raise typer.Exit(report.exit_status)
 
 
 def write_whole(path: Path, text: str) -> None:
-    """All of `text` or nothing: whoever reads `path` never sees half of it."""
+    """All of `text` or nothing: whoever reads `path` never sees half of it. A device or pipe is written to, never replaced."""
+    if path.exists() and not path.is_file():
+        path.write_text(text, encoding="utf-8")
+        return
     part = path.with_name(f".{path.name}.{os.getpid()}")
     try:
         part.write_text(text, encoding="utf-8")

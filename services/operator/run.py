@@ -14,6 +14,7 @@ from experiments.experiment import Experiment, warnings
 from experiments.trace import Trace, save
 from reproduction.play import play
 from services.operator import cell as cells
+from services.operator.options import writing
 from services.operator.report import Report, markdown
 from services.operator.session import Live, run_live
 from shared.bus import Bus
@@ -150,7 +151,8 @@ def _report(wanted: Wanted, trace: Trace | None, tripped: str, gap: str, wall_s:
     verdicts: tuple[Verdict, ...] = ()
     if trace is not None:
         if wanted.trace is not None:
-            save(trace, wanted.trace)
+            with writing(wanted.trace):
+                save(trace, wanted.trace)
         if not tripped:
             verdicts = tuple(judge(claim, trace) for claim in wanted.experiment.claims)
     told = warnings(wanted.experiment)

@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING, Annotated
 import typer
 
 from services.operator.experiment_commands import experiment_of
-from services.operator.options import app, console, fail, make_folders
+from services.operator.options import Settings, app, console, fail, make_folders, writing
 from shared.process import EXIT_USAGE
 
 if TYPE_CHECKING:
@@ -23,7 +23,7 @@ LINKS = {"1": (0,), "2": (1,), "3": (2,), "all": (0, 1, 2)}
 def tune(
     name: Annotated[str, typer.Argument(help="Experiment whose plant is tuned: name, alias, or a TOML file.")] = "fig-4-25",
     link: Annotated[str, typer.Option(help="1 (left/right), 2 (down/up), 3 (out/in) or all.")] = "all",
-    settings: Annotated[list[str] | None, typer.Option("--set", metavar="PATH=VALUE", help="Change one value.")] = None,
+    settings: Settings = None,
     seeds: Annotated[int, typer.Option(min=1, max=100, help="Noise seeds of each trial; the worst decides.")] = 3,
     json_file: Annotated[Path | None, typer.Option("--json", help="Write gains and evidence.")] = None,
     toml_file: Annotated[Path | None, typer.Option("--toml", help="Write the experiment with the tuned gains.")] = None,
@@ -53,11 +53,13 @@ def tune(
         raise fail("interrupted: nothing written", 130) from None
     reports.show(console, report)
     if json_file is not None:
-        reports.write_json(json_file, report)
+        with writing(json_file):
+            reports.write_json(json_file, report)
     if toml_file is not None and report.exit_status:
         console.print(f"{toml_file} is not written: not every link is tuned", highlight=False)
     elif toml_file is not None:
-        reports.write_toml(toml_file, report)
+        with writing(toml_file):
+            reports.write_toml(toml_file, report)
     raise typer.Exit(report.exit_status)
 
 
