@@ -35,7 +35,7 @@ def reproduce(
 ) -> None:
     """Try every figure of the thesis again: one page with plots and verdicts, and a JUnit file.
 
-    Exit status: 0 all claims hold, 1 a claim fails, 2 usage, 3 a trial tripped, 5 transport.
+    Exit status: 0 all claims hold, 1 a claim fails, 2 usage, 3 a trial tripped, 5 transport. In a cell the first trip ends it.
 
     Examples: `hydrohil reproduce`, `hydrohil reproduce --only 5 7 --seeds 20`, `hydrohil reproduce fig-4-25 --clock real`
     """

@@ -1,6 +1,5 @@
 """`hydrohil reproduce --clock lockstep|real`: one cell, one trial after another, then the same verdicts and plots."""
 
-import contextlib
 from collections.abc import Iterable
 
 from rich.console import Console
@@ -19,7 +18,10 @@ from shared.bus import Bus
 def reproduce_live(
     place: cells.Place, groups: Iterable[Group], seeds: int, clock: str, extra: dict[str, list[str]], console: Console
 ) -> list[Done]:
-    """Every group with every seed; drawn when the cell has nothing left to do. Raises CellError, TrippedError."""
+    """Every group with every seed; drawn when the cell has nothing left to do. Raises CellError, TrippedError.
+
+    A trip ends it: the cell may be a machine, and who resets a machine has looked at it. What is left is told as a gap.
+    """
     todo = jobs(groups, seeds)
     played: dict[tuple[str, int], Played] = {}
     columns = (TextColumn("{task.description}"), BarColumn(), TimeRemainingColumn())
@@ -30,15 +32,15 @@ def reproduce_live(
             progress.update(task, description=f"{name}, seed {seed}")
             played[name, seed] = _play(bus, name, seed, clock)
             progress.advance(task, simulated_s([find(name)]))
+            if played[name, seed].tripped:
+                left = Played(None, gap=f"not played: {name}, seed {seed}, has tripped the rig; it is left so")
+                played |= {trial: left for trial in trials if trial not in played}
+                break
     with console.status("drawing"):
         return [judged(job, {name: played[name, job.seed] for name in job.group.trials}) for job in todo]
 
 
 def _play(bus: Bus, name: str, seed: int, clock: str) -> Played:
-    """One trial; after a trip the rig is reset, so that the next one can begin. Raises CellError where it cannot."""
+    """One trial. Raises CellError, TrippedError."""
     live = run_live(bus, find(name), seed, clock, lambda _: None)
-    if live.tripped:
-        for service in ("plant", "supervisor"):
-            with contextlib.suppress(cells.RefusedError):  # the next load says why it is refused
-                cells.ask(bus, service, "reset")
     return Played(live.trace, live.tripped, live.gap)
