@@ -4,7 +4,7 @@ Targets are those of 5.5 and 5.3 with another mass. The filter is chosen once: 0
 below that of 50 kg unfiltered, and never off the reading by more than the gauge's 10 N. One ceiling for all adaptations,
 100 N: above the 58 N of the target at rest and above the first strike (90 N with noise), which is over before any law can
 answer; below the peak of figure 5-11. They act from 20 N on, twice the noise. Gains are the best
-of about 150 tried on seeds 0 to 39, so what these seeds show is flattered: judge by others.
+of well over a hundred tried on seeds 0 to 39, so what these seeds show is flattered: judge by others.
 """
 
 from experiments import claims_impedance
