@@ -170,6 +170,8 @@ MEASURED = ImpedanceConfig(formulation="measured")
         (EXPLICIT, Segment("z", "step", amount=0.01), "target 'explicit' reads force"),
         (EXPLICIT, Segment("q2", "step", amount=0.01), "target 'explicit' reads force"),
         (EXPLICIT._replace(impedance=MEASURED), None, "'explicit' is the equivalent of formulation 'setpoint'"),
+        (JOINT._replace(impedance=MEASURED), None, "'measured' is of target 'impedance', not 'joint'"),
+        (ControllerConfig(target="cartesian"), Segment("force", "step", amount=50.0), "target 'cartesian' reads x, y or z"),
         (ControllerConfig(impedance=MEASURED, acting=(False, True, True)), None, "all links must act"),
         (ControllerConfig(acting=(False, False, False)), None, "no link acts"),
         (

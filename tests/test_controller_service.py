@@ -41,3 +41,21 @@ def test_a_force_set_point_beyond_the_travel_is_refused_with_the_bound():
 def test_a_load_without_a_plant_is_refused():
     accepted, reason, _ = loaded(find("fig-7-1"), about=None)
     assert not accepted and "has not described itself" in reason
+
+
+@pytest.mark.parametrize(
+    "wrong",
+    [
+        {"initial_q_rad": [0.0, 0.0]},
+        {"environment": {"kind": "plate", "stiffness_n_per_m": 0, "surface_m": 0.0}, "machine": {"sensor_stiffness_n_per_m": 0}},
+    ],
+)
+def test_a_foreign_plant_section_is_refused_and_the_controller_lives_on(wrong):
+    controller, answers = Controller(FakeBus()), []
+    controller.about = ABOUT
+    experiment = to_plain(find("fig-7-1"))
+    experiment["plant"] |= wrong
+    text = seal(experiment, run=7, seed=1, clock="lockstep", bias_ticks=444, duration_ticks=100)
+    controller._serve(Request("load", {"envelope": text}, lambda *answer: answers.append(answer)))
+    ((accepted, reason, _),) = answers
+    assert not accepted and reason

@@ -63,7 +63,12 @@ ADAPTATIONS = {
     "offset": ADAPT_OFFSET,
     "limit_switch": ADAPT_LIMIT_SWITCH,
 }
-READS = {"joint": "q1, q2 or q3", "explicit": "force"}  # channels of a target; of every other: x, y, z or force
+READS = {  # channels of a target
+    "joint": CHANNELS[:3],
+    "cartesian": CHANNELS[3:6],
+    "impedance": CHANNELS[3:],
+    "explicit": CHANNELS[6:],
+}
 JOINT_CHANNELS = CHANNELS[:3]
 
 LONGEST_S = 3600.0  # of a trial; keeps sines inside their domain
@@ -260,6 +265,8 @@ def check_measured(config: ControllerConfig) -> None:
     """Raise ValueError where the alternate formulation has no meaning."""
     if config.target == "explicit":
         raise ValueError("controller: target 'explicit' is the equivalent of formulation 'setpoint'; choose that one")
+    if config.target != "impedance":
+        raise ValueError(f"controller: formulation 'measured' is of target 'impedance', not {config.target!r}; choose that one")
     if not all(config.acting):
         raise ValueError(
             "controller.acting: formulation 'measured' integrates what each axis has not reached: all links must act"
@@ -297,8 +304,8 @@ def check_apparent(config: ControllerConfig) -> None:
 
 def check_segment(segment: Segment, target: str, name: str) -> None:
     """Raise ValueError for a segment that cannot be followed or that its target does not read."""
-    if (segment.channel in JOINT_CHANNELS) != (target == "joint") or (target == "explicit" and segment.channel != "force"):
-        raise ValueError(f"{name}: target {target!r} reads {READS.get(target, 'x, y, z or force')}")
+    if segment.channel not in READS[target]:
+        raise ValueError(f"{name}: target {target!r} reads {' or '.join(', '.join(READS[target]).rsplit(', ', 1))}")
     if segment.kind in ("ramp", "sine") and segment.duration_s <= 0.0:
         raise ValueError(f"{name}: duration_s must be > 0")
     if segment.kind == "ramp" and 2.0 * segment.blend_s > segment.duration_s:

@@ -92,7 +92,7 @@ class Controller:
             plant = envelope.experiment["plant"]
             met = surroundings(plant)
             check(config, reference, tuple(plant["initial_q_rad"]), plant["machine"]["q4_rad"], met)
-        except (ValueError, KeyError, TypeError) as error:
+        except (ValueError, LookupError, TypeError, ArithmeticError) as error:  # [plant] is read as it came
             return request.refuse(str(error))
         self.pending = (envelope, config, reference)
         return request.reply({"digest": envelope.digest.hex(), "warnings": list(preflight(config, met))})
