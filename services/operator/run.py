@@ -7,6 +7,7 @@ from pathlib import Path
 from typing import Any, NamedTuple
 
 from rich.console import Console
+from rich.markup import escape
 from rich.progress import BarColumn, Progress, TextColumn, TimeRemainingColumn
 
 from experiments.claims import Verdict, judge
@@ -40,7 +41,7 @@ def run_experiment(place: cells.Place, wanted: Wanted, console: Console) -> Repo
 
 def _warn(console: Console, lines: Iterable[str]) -> None:
     for line in lines:
-        console.print(f"[yellow]warning[/]: {line}", highlight=False, soft_wrap=True)
+        console.print(f"[yellow]warning[/]: {escape(line)}", highlight=False, soft_wrap=True)
 
 
 def _local(wanted: Wanted, console: Console) -> Report:
