@@ -58,7 +58,7 @@ def load(bus: Bus, experiment: Experiment, seed: int, clock: str) -> Loaded:
         raise CellError(f"the services disagree on the experiment's hash: {digests}")
     for service in LOOP:
         ask(bus, service, "commit", digest=digests[service])
-    return Loaded(run, tuple(map(str, answers["controller"].get("warnings", ()))))
+    return Loaded(run, tuple(map(str, answers["controller"].get("warnings") or ())))
 
 
 def arm(bus: Bus, timeout_s: float = 3.0) -> None:
