@@ -86,18 +86,15 @@ def _is_ours(pid: int, service: str) -> bool:
 
 
 def stop(pids: Iterable[int]) -> None:
-    """SIGTERM, and SIGKILL for what does not end within three seconds."""
+    """SIGTERM, and SIGKILL for what does not end within three seconds; returns when all have ended."""
     waiting = set(pids)
-    for pid in waiting:
-        with contextlib.suppress(ProcessLookupError):
-            os.kill(pid, signal.SIGTERM)
-    deadline = time.monotonic() + _STOP_S
-    while waiting and time.monotonic() < deadline:
-        waiting = {pid for pid in waiting if _lives(pid)}
-        time.sleep(_POLL_S)
-    for pid in waiting:
-        with contextlib.suppress(ProcessLookupError):
-            os.kill(pid, signal.SIGKILL)
+    for ending in (signal.SIGTERM, signal.SIGKILL):
+        for pid in waiting:
+            with contextlib.suppress(ProcessLookupError):
+                os.kill(pid, ending)
+        deadline = time.monotonic() + _STOP_S
+        while (waiting := {pid for pid in waiting if _lives(pid)}) and time.monotonic() < deadline:
+            time.sleep(_POLL_S)
 
 
 def _lives(pid: int) -> bool:

@@ -21,6 +21,10 @@ from services.operator.session import Live, run_live
 from shared.bus import Bus
 from shared.topics import SERVICES
 
+_POLL_S = 0.05
+_LINKS_S = 0.3  # until the first link to a cell that runs is up
+_PARTIAL_S = 1.5  # for the others
+
 
 class Wanted(NamedTuple):
     """What the command line asks for."""
@@ -60,10 +64,7 @@ def _in_cell(place: cells.Place, wanted: Wanted, console: Console) -> Report:
 def cell_bus(place: cells.Place, services: Iterable[str], extra: dict[str, list[str]], console: Console) -> Iterator[Bus]:
     """The cell that runs, or one brought up that dies with this process. Raises CellError."""
     with cells.operator_bus(place) as bus:
-        running = bus.alive() & set(cells.LOOP)
-        if not running:
-            time.sleep(0.3)  # links to a cell that runs come up in the background
-            running = bus.alive() & set(cells.LOOP)
+        running = _found(bus)
         if running and running != set(cells.LOOP):
             missing = sorted(set(cells.LOOP) - running)
             raise cells.CellError(
@@ -78,6 +79,16 @@ def cell_bus(place: cells.Place, services: Iterable[str], extra: dict[str, list[
             yield bus
         finally:
             cells.stop(process.pid for process in started.values())
+
+
+def _found(bus: Bus) -> set[str]:
+    """Services of the loop that are there: links to a cell that runs come up one by one, those to one that ends go so."""
+    running: set[str] = set()
+    began = time.monotonic()
+    while running != set(cells.LOOP) and time.monotonic() - began < (_PARTIAL_S if running else _LINKS_S):
+        time.sleep(_POLL_S)
+        running = bus.alive() & set(cells.LOOP)
+    return running
 
 
 def _run_and_record(bus: Bus, wanted: Wanted, console: Console) -> Report:
