@@ -13,7 +13,8 @@ from pydantic import ConfigDict, StringConstraints, TypeAdapter, ValidationError
 
 from experiments.claims import Claim, problems
 from experiments.errors import ExperimentError, from_validation
-from services.controller.config import ControllerConfig, Reference, check
+from services.controller.checks import check
+from services.controller.config import ControllerConfig, Reference
 from services.controller.preflight import preflight
 from services.controller.surroundings import surroundings
 from services.plant.config import PlantConfig, latch_substeps

@@ -6,7 +6,8 @@ import time
 from collections.abc import Callable
 from typing import Any
 
-from services.controller.config import ControllerConfig, Reference, check, controller_params, segment_table
+from services.controller.checks import check
+from services.controller.config import ControllerConfig, Reference, controller_params, segment_table
 from services.controller.preflight import preflight
 from services.controller.step import control_start, control_step
 from services.controller.surroundings import surroundings

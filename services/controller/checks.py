@@ -1,0 +1,157 @@
+"""Configurations whose fields are each valid but do not fit together: refused before anything moves, in one line each.
+
+Every rule states what must hold, so that NaN fails.
+"""
+
+import math
+
+from services.controller.config import ControllerConfig, ImpedanceConfig, Reference, Segment, impedance_params, segment_table
+from services.controller.kinematics import clamp_joints, inverse
+from services.controller.reference import CHANNELS, reference_deltas
+from services.controller.surroundings import Surroundings, resting_m
+from shared.pose import UNIMATE_GEOMETRY, Triple, forward
+
+READS = {  # channels of a target
+    "joint": CHANNELS[:3],
+    "cartesian": CHANNELS[3:6],
+    "impedance": CHANNELS[3:],
+    "explicit": CHANNELS[6:],
+}
+JOINT_CHANNELS = CHANNELS[:3]
+CHECK_STEP_S = 0.01  # travel is checked at 100 Hz: references of a machine that follows 1 Hz
+LINKS = ("rotate", "down/up", "out/in")
+
+
+def check(
+    config: ControllerConfig, reference: Reference, q0_rad: Triple, pitch_rad: float = 0.0, met: Surroundings | None = None
+) -> None:
+    """Raise ValueError, one line, for a configuration whose fields are each valid but do not fit together.
+
+    Where it is known what the tool meets, the force set-point must not take it out of the travel either.
+    """
+    impedance = config.impedance
+    if impedance.setpoint_compensation and not impedance.environment_n_per_m > 0.0:
+        raise ValueError("controller.impedance: setpoint_compensation needs environment_n_per_m > 0")
+    if config.target == "explicit" and not impedance.environment_n_per_m > 0.0:
+        raise ValueError("controller.impedance: target 'explicit' divides by environment_n_per_m; give k_eff in N/m, > 0")
+    if impedance.formulation == "measured":
+        check_measured(config)
+    if not any(config.acting):
+        raise ValueError("controller.acting: no link acts; let at least one be true")
+    check_adaptation(config)
+    check_apparent(config)
+    if not config.tight_slew_codes <= config.slew_codes:
+        raise ValueError(f"controller: tight_slew_codes {config.tight_slew_codes} exceeds slew_codes {config.slew_codes}")
+    for index, segment in enumerate(reference):
+        if segment.channel in JOINT_CHANNELS and not config.acting[JOINT_CHANNELS.index(segment.channel)]:
+            raise ValueError(f"reference segment {index} moves {segment.channel}, which controller.acting holds still")
+        check_segment(segment, config.target, f"reference segment {index} ({segment.channel}, {segment.kind})")
+    if not all(map(math.isfinite, (*q0_rad, pitch_rad))):
+        raise ValueError(f"plant: the start pose {q0_rad} (rad, rad, m) is not finite; give numbers")
+    check_travel(config, reference, q0_rad, pitch_rad)
+    if met is not None and config.target == "impedance":
+        check_push(config.impedance, reference, q0_rad, pitch_rad, met)
+
+
+def check_measured(config: ControllerConfig) -> None:
+    """Raise ValueError where the alternate formulation has no meaning."""
+    if config.target == "explicit":
+        raise ValueError("controller: target 'explicit' is the equivalent of formulation 'setpoint'; choose that one")
+    if config.target != "impedance":
+        raise ValueError(f"controller: formulation 'measured' is of target 'impedance', not {config.target!r}; choose that one")
+    if not all(config.acting):
+        raise ValueError(
+            "controller.acting: formulation 'measured' integrates what each axis has not reached: all links must act"
+        )
+
+
+def check_adaptation(config: ControllerConfig) -> None:
+    """Raise ValueError for an adaptation without room between onset and ceiling, or of a target that has nothing to adapt."""
+    adaptation = config.adaptation
+    if adaptation.kind == "none":
+        return
+    if config.target != "impedance" or config.impedance.formulation != "setpoint":
+        raise ValueError(f"controller.adaptation: {adaptation.kind!r} adapts target 'impedance', formulation 'setpoint' only")
+    if not adaptation.onset_n < adaptation.ceiling_n:
+        wanted = f"onset_n {adaptation.onset_n:g} N must lie below ceiling_n {adaptation.ceiling_n:g} N"
+        raise ValueError(f"controller.adaptation: {wanted}")
+
+
+def check_apparent(config: ControllerConfig) -> None:
+    """Raise ValueError for an apparent stiffness that nothing can show."""
+    impedance = config.impedance
+    soft, stiff = impedance.apparent_stiffness_n_per_m, impedance.stiffness_n_per_m
+    if soft is None:
+        return
+    if config.target != "impedance" or impedance.formulation != "setpoint" or config.adaptation.kind != "none":
+        wanted = "target 'impedance', formulation 'setpoint', without adaptation"
+        raise ValueError(f"controller.impedance: apparent_stiffness_n_per_m is of {wanted}; leave it out or choose these")
+    if not impedance.environment_n_per_m > 0.0:
+        raise ValueError("controller.impedance: apparent_stiffness_n_per_m needs environment_n_per_m > 0: give k_eff in N/m")
+    if not soft < stiff:
+        raise ValueError(
+            f"controller.impedance: apparent_stiffness_n_per_m {soft:g} N/m must lie below stiffness_n_per_m {stiff:g} N/m"
+        )
+
+
+def check_segment(segment: Segment, target: str, name: str) -> None:
+    """Raise ValueError for a segment that cannot be followed or that its target does not read."""
+    if segment.channel not in READS[target]:
+        raise ValueError(f"{name}: target {target!r} reads {' or '.join(', '.join(READS[target]).rsplit(', ', 1))}")
+    if segment.kind in ("ramp", "sine") and not segment.duration_s > 0.0:
+        raise ValueError(f"{name}: duration_s must be > 0")
+    if segment.kind == "ramp" and not 2.0 * segment.blend_s <= segment.duration_s:
+        raise ValueError(f"{name}: two blends of {segment.blend_s} s do not fit into {segment.duration_s} s")
+    if segment.kind == "sine" and not segment.frequency_hz > 0.0:
+        raise ValueError(f"{name}: frequency_hz must be > 0")
+
+
+def check_travel(config: ControllerConfig, reference: Reference, q0_rad: Triple, pitch_rad: float) -> None:
+    """Raise ValueError where the reference, before any force acts, leaves the travel of a link."""
+    table = segment_table(reference)
+    x0_m = forward(UNIMATE_GEOMETRY, q0_rad, pitch_rad)
+    for time_s in check_times(reference):
+        deltas = reference_deltas(table, time_s)
+        if config.target == "joint":
+            _, clamped = clamp_joints(UNIMATE_GEOMETRY, (q0_rad[0] + deltas[0], q0_rad[1] + deltas[1], q0_rad[2] + deltas[2]))
+        else:
+            _, clamped = inverse(UNIMATE_GEOMETRY, (x0_m[0] + deltas[3], x0_m[1] + deltas[4], x0_m[2] + deltas[5]), pitch_rad)
+        if clamped:
+            raise ValueError(f"reference leaves the travel of {clamped_links(clamped)} at {time_s:.2f} s")
+
+
+def check_push(impedance: ImpedanceConfig, reference: Reference, q0_rad: Triple, pitch_rad: float, met: Surroundings) -> None:
+    """Raise ValueError where the force set-point, held, would take the tool out of the travel of a link."""
+    table, k = segment_table(reference), impedance.stiffness_n_per_m
+    x0_m, axis = forward(UNIMATE_GEOMETRY, q0_rad, pitch_rad), met.force_axis
+    gain = impedance_params(impedance, axis, met.force_sign).force_gain
+    for time_s in check_times(reference):
+        deltas = reference_deltas(table, time_s)
+        x_m = [x0_m[i] + deltas[3 + i] for i in range(3)]
+        x_m[axis] = resting_m(met, x0_m[axis], x_m[axis], gain * deltas[6], k)
+        _, clamped = inverse(UNIMATE_GEOMETRY, (x_m[0], x_m[1], x_m[2]), pitch_rad)
+        if clamped:
+            raise ValueError(
+                f"force set-point {gain * deltas[6]:.4g} N on {k:g} N/m takes the tool beyond the travel of "
+                f"{clamped_links(clamped)} at {time_s:.2f} s; lower it or stiffen the target"
+            )
+
+
+def check_times(reference: Reference) -> list[float]:
+    """Times after tick 0 at which travel is checked: a grid through every moving segment, and every start and end."""
+    ends = {0.0} | {s.start_s for s in reference} | {s.start_s + s.duration_s for s in reference}
+    moving = [s for s in reference if s.kind != "step"]
+    grid = {s.start_s + i * CHECK_STEP_S for s in moving for i in range(int(s.duration_s / CHECK_STEP_S) + 1)}
+    return sorted(ends | grid)
+
+
+def clamped_links(mask: int) -> str:
+    """Links of a clamp mask and where their travel ends, e.g. 'down/up (high, 0.471 rad)'."""
+    ends = zip(UNIMATE_GEOMETRY.low_rad, UNIMATE_GEOMETRY.high_rad, strict=True)
+    limits = [  # in the order of the mask's bits
+        f"{link} ({side}, {value:.3g} {unit})"
+        for link, unit, both in zip(LINKS, ("rad", "rad", "m"), ends, strict=True)
+        for side, value in zip(("low", "high"), both, strict=True)
+    ]
+    names = [limit for bit, limit in enumerate(limits) if mask >> bit & 1]
+    return ", ".join(names) or "every link (too near the shoulder)"
