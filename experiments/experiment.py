@@ -20,6 +20,7 @@ from services.controller.surroundings import surroundings
 from services.plant.config import PlantConfig, latch_substeps
 from services.plant.params import contact_params
 from services.supervisor.config import SupervisorConfig
+from shared.faults import Fault, problem
 
 Name = Annotated[str, StringConstraints(pattern=r"^[a-z0-9]+(-[a-z0-9]+)*$")]
 MAX_DURATION_S = 3600.0
@@ -37,6 +38,7 @@ class Experiment(NamedTuple):
     controller: ControllerConfig = ControllerConfig()
     supervisor: SupervisorConfig = SupervisorConfig()
     reference: Reference = ()
+    faults: tuple[Fault, ...] = ()  # what breaks on purpose, and when
     claims: tuple[Claim, ...] = ()
 
 
@@ -69,6 +71,11 @@ def checked(experiment: Experiment, where: str) -> Experiment:
         f"{where}: claims.{number}.{field} {what}; correct the claim"
         for number, claim in enumerate(experiment.claims)
         for field, what in problems(claim, experiment.duration_s)
+    ]
+    found += [
+        f"{where}: faults.{number}: {what}; correct the fault"
+        for number, fault in enumerate(experiment.faults)
+        if (what := problem(fault))
     ]
     found += [f"{where}: {reason}" for reason in _section_problems(experiment)]
     if found:

@@ -1,0 +1,109 @@
+"""Faults that can be asked for, as one table: what breaks, where, by how much, and on which clocks that can be played.
+
+An experiment schedules them in its section [[faults]]; `hydrohil inject` asks a rig that runs. Each service takes the rows
+that are its own: the emulated machine sensors and actuators, the receiving bus its paths, the operator the processes.
+"""
+
+import math
+from typing import Annotated, Literal, NamedTuple
+
+from annotated_types import Interval
+
+Group = Literal["sensor", "actuator", "transport", "process"]
+
+LINKS = ("rotate", "down_up", "out_in")
+FORCE = ("force",)
+ENCODERS = tuple(f"encoder_{link}" for link in LINKS)
+VALVES = tuple(f"valve_{link}" for link in LINKS)
+CONVERTERS = tuple(f"dac_{link}" for link in LINKS)
+PATHS = ("plant>controller", "plant>supervisor", "controller>plant", "controller>supervisor", "supervisor>plant")
+CUTS = ("plant-controller", "plant-supervisor", "controller-supervisor")  # both ways
+PROCESSES = ("plant", "controller", "supervisor", "recorder")
+_EVERY, _ON_THE_BUS, _LIVE = ("local", "lockstep", "real"), ("lockstep", "real"), ("real",)
+
+
+class Fault(NamedTuple):
+    """One fault of a trial; ticks at or after `at_s` and before its end have it."""
+
+    kind: str
+    target: str
+    at_s: Annotated[float, Interval(ge=-10.0, le=3600.0)] = 0.0  # time of the trial; negative while the force bias is taken
+    lasts_s: Annotated[float, Interval(ge=0.0, le=3600.0)] = 0.0  # 0 = to the trial's end
+    value: float = 0.0  # how much; its meaning is the row's
+
+
+class Row(NamedTuple):
+    """What one kind of fault does to some targets."""
+
+    kind: str
+    targets: tuple[str, ...]
+    group: Group
+    words: str
+    unit: str = ""  # of the value; "" = it takes none
+    low: float = 0.0
+    high: float = 0.0
+    clocks: tuple[str, ...] = _EVERY
+
+
+ROWS = (
+    Row("stuck", FORCE + ENCODERS, "sensor", "the reading stays what it was"),
+    Row("garbage", FORCE + ENCODERS, "sensor", "any code of the converter, another each sample"),
+    Row("dropout", FORCE + ENCODERS, "sensor", "cable off: the gauge at its negative rail, a counter at 0"),
+    Row("offset", FORCE, "sensor", "a jump of the reading", "N", -1000.0, 1000.0),
+    Row("offset", ENCODERS, "sensor", "a jump of the counter", "counts", -8192.0, 8192.0),
+    Row("drift", FORCE, "sensor", "the reading runs away", "N/s", -1000.0, 1000.0),
+    Row("drift", ENCODERS, "sensor", "the counter runs away", "counts/s", -8192.0, 8192.0),
+    Row("gain", FORCE, "sensor", "the reading times this", "times", 0.0, 10.0),
+    Row("noise", FORCE, "sensor", "its own noise times this; 0 is too quiet to be true", "times", 0.0, 100.0),
+    Row("noise", ENCODERS, "sensor", "uniform within +- this", "counts", 0.0, 8192.0),
+    Row("wrap", ENCODERS, "sensor", "the counter passes its end: its highest bit flips"),
+    Row("stuck", VALVES, "actuator", "the spool stays where it was"),
+    Row("leak", VALVES, "actuator", "cross-port leakage times this", "times", 1.0, 1000.0),
+    Row("stuck", CONVERTERS, "actuator", "the D/A holds its code, whatever is written"),
+    Row("drop", ("supply",), "actuator", "share of the supply pressure that is lost", "share", 0.0, 1.0),
+    Row("loss", PATHS, "transport", "each message is lost with this probability", "probability", 0.0, 1.0, _ON_THE_BUS),
+    Row("burst", PATHS, "transport", "so many messages in a row are lost", "messages", 1.0, 1e6, _ON_THE_BUS),
+    Row("duplicate", PATHS, "transport", "each message comes twice with this probability", "probability", 0.0, 1.0, _ON_THE_BUS),
+    Row("reorder", PATHS, "transport", "each message changes places with its successor", "probability", 0.0, 1.0, _ON_THE_BUS),
+    Row("delay", PATHS, "transport", "each message comes later by this", "ms", 0.0, 1000.0, _ON_THE_BUS),
+    Row("jitter", PATHS, "transport", "each message comes later by up to this", "ms", 0.0, 1000.0, _ON_THE_BUS),
+    Row("corrupt", PATHS, "transport", "one bit of a message flips with this probability", "probability", 0.0, 1.0, _ON_THE_BUS),
+    Row("partition", PATHS + CUTS, "transport", "nothing comes through, one way (a>b) or both (a-b)", clocks=_ON_THE_BUS),
+    Row("kill", PROCESSES, "process", "SIGKILL", clocks=_LIVE),
+    Row("freeze", PROCESSES, "process", "SIGSTOP, thawed at the end", clocks=_LIVE),
+    Row("slow", PROCESSES[:3], "process", "each step takes longer by this", "ms", 0.0, 1000.0, _LIVE),
+    Row("hog", ("host",), "process", "so many processes that never rest", "processes", 1.0, 64.0, _LIVE),
+)
+
+
+def row_of(fault: Fault) -> Row:
+    """The row of `fault`; LookupError with one line that names what there is."""
+    of_kind = [row for row in ROWS if row.kind == fault.kind]
+    if not of_kind:
+        kinds = ", ".join(dict.fromkeys(row.kind for row in ROWS))
+        raise LookupError(f"kind is {fault.kind!r}, expected one of {kinds}")
+    for row in of_kind:
+        if fault.target in row.targets:
+            return row
+    targets = ", ".join(target for row in of_kind for target in row.targets)
+    raise LookupError(f"target of {fault.kind} is {fault.target!r}, expected one of {targets}")
+
+
+def problem(fault: Fault, clock: str = "") -> str:
+    """Why `fault` cannot be played (on `clock`, if one is named), one line; "" if it can. Nothing is accepted and ignored."""
+    try:
+        row = row_of(fault)
+    except LookupError as error:
+        return str(error.args[0])
+    if clock and clock not in row.clocks:
+        return f"{fault.kind} of {fault.target} cannot be played on the {clock} clock, only on {' or '.join(row.clocks)}"
+    if not row.unit and fault.value != 0.0:
+        return f"value of {fault.kind} is {fault.value:g}, but it takes none: leave it out"
+    if row.unit and not (math.isfinite(fault.value) and row.low <= fault.value <= row.high):
+        return f"value of {fault.kind} is {fault.value:g} {row.unit}, expected {row.low:g}..{row.high:g}"
+    return ""
+
+
+def of_group(faults: tuple[Fault, ...], *groups: Group) -> tuple[Fault, ...]:
+    """Those of `faults` that a service of these groups plays; all must be valid."""
+    return tuple(fault for fault in faults if row_of(fault).group in groups)
