@@ -121,6 +121,8 @@ def gate_input(
         sample.tick,
         False,
         False,
+        0,  # no link, no faults of one
+        0,
     )
 
 

@@ -2,7 +2,7 @@
 
 from collections import Counter
 
-from shared.codec import Received, Rejected
+from shared.codec import Header, Received, Rejected
 
 
 class Acceptance:
@@ -10,30 +10,42 @@ class Acceptance:
 
     def __init__(self) -> None:
         """Nothing seen yet."""
-        self.epoch: int | None = None
-        self.seq = -1
+        self.bound: Header | None = None  # of the newest frame taken: cell, sender and epoch are the bound identity
         self.lost = 0
         self.discarded: Counter[str] = Counter()
         self.accepted = 0
+        self.link_faults = 0  # CRC and sequence faults under the bound identity
+        self.rivals = 0  # valid frames of this sender that changed its epoch, or came of one that was left
         self._left: set[int] = set()
 
     def take(self, message: Received | Rejected) -> Received | None:
         """`message` if it is valid and newer than all before it; otherwise it is counted by cause."""
         if isinstance(message, Rejected):
             self.discarded[message.cause] += 1
+            self.link_faults += message.cause == "crc" and self._is_bound(message.header)
             return None
         header = message.header
         if header.epoch in self._left:
             self.discarded["epoch"] += 1
+            self.rivals += 1
             return None
-        if header.epoch != self.epoch:
-            if self.epoch is not None:
-                self._left.add(self.epoch)
-            self.epoch, self.seq = header.epoch, header.seq - 1
-        if header.seq <= self.seq:
+        last = header.seq - 1  # of a stream that is new: nothing is lost before one joins
+        if self.bound is not None and header.epoch != self.bound.epoch:
+            self._left.add(self.bound.epoch)
+            self.rivals += 1
+        elif self.bound is not None:
+            last = self.bound.seq
+        if header.seq <= last:
             self.discarded["sequence"] += 1
+            self.link_faults += 1
             return None
-        self.lost += header.seq - self.seq - 1
-        self.seq = header.seq
+        self.lost += header.seq - last - 1
+        self.bound = header
         self.accepted += 1
         return message
+
+    def _is_bound(self, header: Header | None) -> bool:
+        """Whether what could be read of a header names the stream that is taken."""
+        if header is None or self.bound is None:
+            return False
+        return (header.cell, header.sender, header.epoch) == (self.bound.cell, self.bound.sender, self.bound.epoch)

@@ -16,7 +16,7 @@ from typing import Annotated, Any, NamedTuple, get_args, get_origin, get_type_hi
 import msgpack
 from annotated_types import Len
 
-from shared.topics import BY_SCHEMA, Topic
+from shared.topics import Topic
 
 WIRE_VERSION = 1
 MAX_FRAME_BYTES = 4096
@@ -58,6 +58,7 @@ class Rejected(NamedTuple):
     topic: str
     cause: str  # oversized, crc, malformed, version, schema, cell, sender
     detail: str
+    header: Header | None = None  # where one could be read; under a wrong CRC it is no more than a hint at the link
 
 
 def crc(key: str, packed: bytes) -> bytes:
@@ -74,24 +75,26 @@ def encode(key: str, header: Header, body: tuple[Any, ...]) -> bytes:
 def decode(key: str, topic: Topic, cell: str, frame: bytes, arrival_ns: int) -> Received | Rejected:
     """The message in `frame`, or why it is not ours."""
 
-    def reject(cause: str, detail: str) -> Rejected:
-        return Rejected(arrival_ns, topic.key, cause, detail)
+    header: Header | None = None
 
-    limit = MAX_FRAME_BYTES if topic.schema < _first_request_schema() else MAX_REQUEST_BYTES
+    def reject(cause: str, detail: str) -> Rejected:
+        return Rejected(arrival_ns, topic.key, cause, detail, header)
+
+    limit = MAX_REQUEST_BYTES if topic.key.startswith("operator/") else MAX_FRAME_BYTES
     if not _CRC_BYTES < len(frame) <= limit:
         cause = "oversized" if len(frame) > limit else "malformed"
         return reject(cause, f"{len(frame)} bytes, expected {_CRC_BYTES + 1} to {limit}")
     packed = frame[:-_CRC_BYTES]
+    fields = _unpacked(packed)
+    if type(fields) is tuple:
+        header = _shape(Header)(fields[:-1])
     if crc(key, packed) != frame[-_CRC_BYTES:]:
         return reject("crc", "checksum differs")
-    try:
-        fields = msgpack.unpackb(packed, use_list=False, max_ext_len=0, max_map_len=0)
-    except (ValueError, TypeError, OverflowError, RecursionError) as error:
-        return reject("malformed", type(error).__name__)
+    if isinstance(fields, Exception):
+        return reject("malformed", type(fields).__name__)
     if type(fields) is not tuple or not fields or fields[0] != WIRE_VERSION or type(fields[0]) is not int:
         found = fields[0] if type(fields) is tuple and fields else type(fields).__name__
         return reject("version", f"wire version {str(found)[:MAX_NAME]}, this is {WIRE_VERSION}")
-    header = _shape(Header)(fields[:-1])
     if header is None:
         return reject("malformed", "header")
     if header.schema != topic.schema:
@@ -106,9 +109,12 @@ def decode(key: str, topic: Topic, cell: str, frame: bytes, arrival_ns: int) -> 
     return Received(arrival_ns, topic.key, header, body)
 
 
-@cache
-def _first_request_schema() -> int:
-    return min(schema for schema, topic in BY_SCHEMA.items() if topic.key.startswith("operator/"))
+def _unpacked(packed: bytes) -> Any:
+    """What the bytes hold, whoever wrote them; the exception, as a value, if they are no MessagePack."""
+    try:
+        return msgpack.unpackb(packed, use_list=False, max_ext_len=0, max_map_len=0)
+    except (ValueError, TypeError, OverflowError, RecursionError) as error:
+        return error
 
 
 def _fits(values: tuple[int, ...]) -> bool:

@@ -49,6 +49,8 @@ class GateCause(IntEnum):
     NOT_UNLOADING = 14
     ESTOP = 15
     OVERSLEPT = 16
+    LINK_FAULTS = 17  # more than one CRC or sequence fault a second under a bound identity
+    TWO_PUBLISHERS = 18
 
 
 class Mode(IntEnum):

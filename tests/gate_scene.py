@@ -13,7 +13,7 @@ NO_SIGNS = (0, 0, 0)
 
 PERMIT = PermitSeen(True, ARMING, SUPERVISOR, int(Mode.RUNNING), 4_000_000, NO_SIGNS)
 COMMAND = CommandSeen(True, ARMING, CONTROLLER, 4_000_000, 100, ZERO)
-FINE = GateInput(PERMIT, COMMAND, 10, 13.5, 0, False, False)
+FINE = GateInput(PERMIT, COMMAND, 10, 13.5, 0, False, False, 0, 0)
 UNLOAD_UP = PERMIT._replace(mode=int(Mode.RECOVER), recover_signs=(0, -1, 0))
 
 

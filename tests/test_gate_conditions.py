@@ -25,7 +25,7 @@ from gate_scene import (
 from services.plant.gate import NO_COMMAND_SEEN, NO_PERMIT_SEEN, GateInput, GateMemory
 from shared.messages import GateCause, GateState, Mode
 
-NOTHING_SEEN = GateInput(NO_PERMIT_SEEN, NO_COMMAND_SEEN, 0, 0.0, 0, False, False)
+NOTHING_SEEN = GateInput(NO_PERMIT_SEEN, NO_COMMAND_SEEN, 0, 0.0, 0, False, False, 0, 0)
 AT_ONCE = LIMITS._replace(tight_samples=0)  # no tight slew, so that other limits can be reached in one step
 
 HOLDS = {
@@ -40,9 +40,16 @@ HOLDS = {
     "the force at its limit, negative": FINE._replace(force_n=-420.0),
     "the lowest count": FINE._replace(force_counts=0),
     "the highest count": FINE._replace(force_counts=517),
+    "one fault of a link within a second": FINE._replace(link_faults=1),
+    "a sender that started anew within this second": FINE._replace(rivals=1),
 }
 
 BROKEN = {
+    "a second fault of a link within a second": (FINE._replace(link_faults=2), GateCause.LINK_FAULTS),
+    "faults of a link without a permit": (NOTHING_SEEN._replace(link_faults=2), GateCause.LINK_FAULTS),
+    "two publishers": (FINE._replace(rivals=2), GateCause.TWO_PUBLISHERS),
+    "two publishers without a permit": (NOTHING_SEEN._replace(rivals=8), GateCause.TWO_PUBLISHERS),
+    "faults of a link and two publishers": (FINE._replace(link_faults=2, rivals=2), GateCause.LINK_FAULTS),
     "no permit": (FINE._replace(permit=NO_PERMIT_SEEN), GateCause.NO_PERMIT),
     "a permit that is not there": (permit(present=False), GateCause.NO_PERMIT),
     "a permit without an arming": (permit(arming=0), GateCause.NO_PERMIT),
@@ -81,6 +88,8 @@ BURNS_WHILE_SHUT = {
     GateCause.FORCE_ABOVE_LIMIT,
     GateCause.ESTOP,
     GateCause.OVERSLEPT,
+    GateCause.LINK_FAULTS,
+    GateCause.TWO_PUBLISHERS,
 }
 
 
@@ -122,7 +131,7 @@ def test_just_past_its_limit_a_condition_cuts_to_zero_current_and_burns(seen, ca
 @pytest.mark.parametrize(("seen", "cause"), BROKEN.values(), ids=BROKEN)
 def test_a_shut_gate_stays_shut_and_burns_only_on_what_is_ours_but_wrong(seen, cause):
     after = step(GateMemory(), seen)
-    wrong = cause in BURNS_WHILE_SHUT
+    wrong = cause in BURNS_WHILE_SHUT and seen.permit.arming != 0
     assert (after.cause, after.codes) == (cause, ZERO)
     assert after.burned == ((ARMING,) + (0,) * 15 if wrong else (0,) * 16)
     assert after.state == (GateState.BURNED if wrong else GateState.SHUT)

@@ -19,7 +19,8 @@ TICKS = st.sampled_from([-(2**31), -1, 0, 7])
 SIGNS = st.tuples(*[st.sampled_from([-1, 0, 1])] * 3)
 PERMITS = st.builds(PermitSeen, st.booleans(), ARMINGS, EPOCHS, st.sampled_from([int(m) for m in Mode]), AGES, SIGNS)
 COMMANDS = st.builds(CommandSeen, st.booleans(), ARMINGS, EPOCHS, AGES, st.integers(-1, 9), st.tuples(CODES, CODES, CODES))
-ANYTHING = st.builds(GateInput, PERMITS, COMMANDS, COUNTS, FORCES, TICKS, st.booleans(), st.booleans())
+FAULTS = st.sampled_from([0, 0, 0, 1, 2, 8])
+ANYTHING = st.builds(GateInput, PERMITS, COMMANDS, COUNTS, FORCES, TICKS, st.booleans(), st.booleans(), FAULTS, FAULTS)
 LIMITS_DRAWN = st.sampled_from([LIMITS, LIMITS._replace(tight_samples=0), LIMITS._replace(tight_samples=0, slew_codes=1)])
 gate_step_compiled = compiled(gate_step)
 
@@ -40,6 +41,8 @@ def everything_holds(seen):
         and all(820 <= code <= 3276 for code in command.codes)
         and not seen.estop
         and not seen.overslept
+        and seen.link_faults < 2
+        and seen.rivals < 2
         and (may_run or unloads)
     )
 

@@ -1,13 +1,14 @@
 import pytest
-from gate_scene import FINE
-from wire_scene import ZERO, FakeBus, command_body, header, permit_body
+from wire_scene import CELL, ZERO, FakeBus, command_body, header, permit_body
 
 from services.plant.config import GateLimits
 from services.plant.counters import Counters
 from services.plant.device import Timeline
-from services.plant.gatekeeper import Gatekeeper, numbers
+from services.plant.gatekeeper import Gatekeeper
+from shared.codec import encode
 from shared.converters import N_PER_FORCE_COUNT
 from shared.messages import GateCause, GateState, Mode
+from shared.topics import expression
 
 MS = 1_000_000
 MOVING = (2100, 2000, 2048)
@@ -199,5 +200,79 @@ def test_an_invalid_force_is_told_with_the_limit_it_broke(counts, limit):
     assert scene.bus.of("plant/gate")[-1][-2:] == (float(counts), limit)
 
 
-def test_a_decision_without_a_number_tells_zeros():
-    assert numbers(int(GateCause.ESTOP), FINE, GateLimits()) == (0.0, 0.0)
+def corrupt(scene, key="controller/command", **changes):
+    """A frame of the bound sender with one bit of its body wrong."""
+    scene.seq += 1
+    body = permit_body() if "permit" in key else command_body()
+    frame = bytearray(encode(expression(CELL, key), header(key, scene.seq, **(scene.echo() | changes)), body))
+    frame[-5] ^= 1
+    scene.bus.send_bytes(key, bytes(frame))
+
+
+@pytest.mark.parametrize("key", ["supervisor/permit", "controller/command"])
+def test_one_corrupt_frame_a_second_is_survived_and_a_second_one_cuts_and_burns(key):
+    scene = Scene()
+    scene.run(codes=MOVING)
+    corrupt(scene, key)
+    assert scene.run(codes=MOVING).state == GateState.OPEN
+    while scene.now_ns < 1_004_500_000:
+        scene.sample()
+        scene.permit()
+        scene.command(MOVING)
+        assert scene.judge().state == GateState.OPEN
+    corrupt(scene, key)
+    assert scene.run(codes=MOVING).state == GateState.OPEN
+    corrupt(scene, key)
+    assert (scene.run(codes=MOVING).cause, scene.device.codes) == (GateCause.LINK_FAULTS, ZERO)
+    scene.now_ns += 2_000_000_000
+    assert scene.run(codes=MOVING).cause == GateCause.BURNED_ARMING
+    assert scene.bus.of("plant/gate")[1][-2:] == (2.0, 1.0)
+
+
+def test_one_fault_on_each_link_is_no_cause():
+    scene = Scene()
+    scene.run(codes=MOVING)
+    corrupt(scene, "supervisor/permit")
+    corrupt(scene, "controller/command")
+    assert scene.run(codes=MOVING).state == GateState.OPEN
+
+
+def test_corrupt_frames_of_strangers_are_counted_and_stop_nobody():
+    scene = Scene()
+    scene.run(codes=MOVING)
+    for _ in range(20):
+        corrupt(scene, epoch=99)
+        corrupt(scene, "supervisor/permit", cell="left")
+    assert scene.run(codes=MOVING).state == GateState.OPEN
+    assert scene.keeper.commands.acceptance.discarded == {"crc": 20}
+
+
+def test_a_repeated_command_stops_a_cell_only_if_it_comes_again_and_again():
+    scene = Scene()
+    scene.run(codes=MOVING)
+    scene.sample()
+    scene.permit()
+    scene.command(MOVING)
+    scene.seq -= 1
+    scene.command((3000, 3000, 3000))
+    assert scene.judge().state == GateState.OPEN
+    assert scene.device.codes == MOVING
+    scene.seq -= 1
+    scene.command(MOVING)
+    assert (scene.judge().cause, scene.device.codes) == (GateCause.LINK_FAULTS, ZERO)
+
+
+def test_two_controllers_shut_the_gate_before_it_was_ever_open():
+    scene = Scene()
+    scene.timeline.tick = -1
+    scene.run()
+    for _ in range(2):
+        scene.sample()
+        scene.permit()
+        scene.command(epoch=23)
+        scene.command()
+        scene.judge()
+    assert scene.keeper.gate.cause == GateCause.TWO_PUBLISHERS
+    assert 77 in scene.keeper.burned
+    scene.timeline.tick = 0
+    assert scene.run().state == GateState.BURNED

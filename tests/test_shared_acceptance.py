@@ -1,3 +1,4 @@
+import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 from wire_scene import command_body, header
@@ -54,6 +55,46 @@ def test_a_rejected_frame_is_counted_by_cause_and_disturbs_nothing():
     assert acceptance.discarded == {"crc": 1}
     assert acceptance.take(frame(1, 1)) is not None
     assert acceptance.lost == 0
+
+
+def corrupt(**changes):
+    return Rejected(0, "controller/command", "crc", "", header("controller/command", 3, **({"epoch": 1} | changes)))
+
+
+def test_a_corrupt_frame_counts_against_the_link_only_if_its_header_still_names_the_bound_stream():
+    acceptance = Acceptance()
+    acceptance.take(corrupt())
+    assert acceptance.link_faults == 0  # nothing is bound yet
+    acceptance.take(frame(1, 0))
+    for stranger in (corrupt(epoch=2), corrupt(cell="left"), corrupt(sender="plant"), corrupt()._replace(header=None)):
+        acceptance.take(stranger)
+    assert acceptance.link_faults == 0
+    acceptance.take(corrupt())
+    assert (acceptance.link_faults, acceptance.rivals, acceptance.discarded) == (1, 0, {"crc": 6})
+
+
+@pytest.mark.parametrize("cause", ["oversized", "malformed", "version", "schema", "cell", "sender"])
+def test_what_is_refused_for_another_cause_is_a_stranger_whatever_it_says_of_itself(cause):
+    acceptance = Acceptance()
+    acceptance.take(frame(1, 0))
+    acceptance.take(corrupt()._replace(cause=cause))
+    assert (acceptance.link_faults, acceptance.rivals) == (0, 0)
+
+
+def test_a_frame_that_comes_again_or_too_late_counts_against_the_link_and_a_lost_one_does_not():
+    acceptance, _ = taken([(1, 0), (1, 5), (1, 5), (1, 3)])
+    assert (acceptance.link_faults, acceptance.rivals, acceptance.lost) == (2, 0, 4)
+
+
+def test_one_that_starts_anew_is_a_rival_once_and_two_that_speak_at_once_are_rivals_with_every_frame():
+    assert taken([(1, 0), (1, 1), (2, 0), (2, 1), (2, 2)])[0].rivals == 1
+    acceptance, _ = taken([(1, 0), (2, 0), (1, 1), (2, 1), (1, 2), (2, 2)])
+    assert (acceptance.rivals, acceptance.link_faults) == (3, 0)
+
+
+def test_the_bound_identity_is_that_of_the_newest_frame_taken():
+    acceptance, _ = taken([(1, 0), (2, 7), (1, 1)])
+    assert (acceptance.bound.epoch, acceptance.bound.seq) == (2, 7)
 
 
 @given(st.lists(st.tuples(st.integers(0, 3), st.integers(0, 5)), max_size=40))

@@ -34,11 +34,14 @@ CUTS = {
     GateCause.OTHER_ARMING: "permit and command are of different armings",
     GateCause.EPOCH_CHANGED: "controller or supervisor was restarted, or there are two",
     GateCause.IMPOSSIBLE_ECHO: "a permit or command answers a sample that the plant never sent",
-    GateCause.OUT_OF_RANGE: "the controller's code is outside the converter's range",
-    GateCause.BEYOND_SLEW: "the controller's code is beyond the slew limit",
+    GateCause.OUT_OF_RANGE: "the controller's code is outside the converter's range (codes)",
+    GateCause.BEYOND_SLEW: "the controller's code is beyond the slew limit (codes)",
+    GateCause.NOT_UNLOADING: "a code of the recovery does not unload, or is too large (codes)",
     GateCause.FORCE_INVALID: "the force reading is outside the gauge's range or saturated (counts)",
     GateCause.FORCE_ABOVE_LIMIT: "the raw force is above the gate's own limit (N)",
     GateCause.ESTOP: "the operator's emergency stop",
+    GateCause.LINK_FAULTS: "frames of a command or permit came corrupt, again or out of order (in a second)",
+    GateCause.TWO_PUBLISHERS: "there are two controllers or two supervisors, each with an epoch of its own (frames in a second)",
     GateCause.OVERSLEPT: "the plant stood still for longer than the lease",
 }
 

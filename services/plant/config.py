@@ -5,6 +5,7 @@ from typing import Annotated, NamedTuple
 from annotated_types import Ge, Gt, Interval
 
 from services.plant.params import UNIMATE, Environment, MachineParams
+from shared.protection import FAULTS_PER_S
 from shared.units import NS_PER_S, RAD_PER_DEG, SUBSTEP_NS
 
 _LATCH_LIMIT_SUBSTEPS = 80  # 4 ms: the thesis' program wrote its outputs about 4 ms after reading the encoders
@@ -40,6 +41,7 @@ class GateLimits(NamedTuple):
     recover_codes: Annotated[int, Gt(0)] = 700  # 205 mA: above the worst break-away (176 mA, link 3 in)
     min_force_counts: int = 0  # the gauge reads one direction
     max_force_counts: int = 518  # 700 N, end of the gauge's range: there it is saturated
+    faults_per_s: Annotated[int, Ge(0)] = FAULTS_PER_S
 
 
 def latch_substeps(config: PlantConfig) -> int:

@@ -30,6 +30,8 @@ SHUT, OPEN, BURNED, RECOVERING = map(int, GateState)
     NOT_UNLOADING,
     ESTOP,
     OVERSLEPT,
+    LINK_FAULTS,
+    TWO_PUBLISHERS,
 ) = map(int, GateCause)
 _RUNNING, _RECOVER = int(Mode.RUNNING), int(Mode.RECOVER)
 _ZERO = (ZERO_CODE, ZERO_CODE, ZERO_CODE)
@@ -69,6 +71,8 @@ class GateInput(NamedTuple):
     tick: int  # of the sample that is being answered
     estop: bool
     overslept: bool  # the plant itself stood still for longer than the lease
+    link_faults: int  # CRC and sequence faults of the last second under a bound identity, of the worse link
+    rivals: int  # frames of the last second by which a bound sender has another epoch, of the worse link
 
 
 class GateMemory(NamedTuple):
@@ -134,6 +138,10 @@ def _broken(memory: GateMemory, limits: GateLimits, seen: GateInput) -> int:
         return ESTOP
     if seen.overslept:
         return OVERSLEPT
+    if not seen.link_faults <= limits.faults_per_s:
+        return LINK_FAULTS
+    if not seen.rivals <= limits.faults_per_s:
+        return TWO_PUBLISHERS
     cause = _permit_broken(memory, limits, seen)
     if cause == NONE:
         cause = _command_broken(memory, limits, seen)
@@ -176,9 +184,7 @@ def _command_broken(memory: GateMemory, limits: GateLimits, seen: GateInput) -> 
         return OTHER_ARMING
     if memory.arming != 0 and command.epoch != memory.command_epoch:
         return EPOCH_CHANGED
-    slew = limits.slew_codes
-    if memory.open_samples < limits.tight_samples:
-        slew = limits.tight_slew_codes
+    slew = slew_codes(memory, limits)
     for link in range(3):
         code = command.codes[link]
         if not limits.min_code <= code <= limits.max_code:
@@ -190,6 +196,12 @@ def _command_broken(memory: GateMemory, limits: GateLimits, seen: GateInput) -> 
             if not (code == ZERO_CODE or 0 < away <= limits.recover_codes):
                 return NOT_UNLOADING
     return NONE
+
+
+@kernel
+def slew_codes(memory: GateMemory, limits: GateLimits) -> int:
+    """Largest step of a code: tight for the first samples after the gate opens."""
+    return limits.tight_slew_codes if memory.open_samples < limits.tight_samples else limits.slew_codes
 
 
 @kernel

@@ -8,10 +8,12 @@ from services.plant.device import Device, Timeline
 from services.plant.gate import GateInput, GateMemory, gate_step
 from services.plant.ledger import Ledger
 from services.plant.mailbox import Mailbox
+from services.plant.numbers import numbers
 from shared.bus import Bus, Inbox
 from shared.codec import Received
 from shared.converters import N_PER_FORCE_COUNT
 from shared.messages import NO_TRIAL, GateCause, GateEvent
+from shared.protection import worst
 from shared.units import SUBSTEP_NS
 
 
@@ -67,6 +69,7 @@ class Gatekeeper:
 
     def judge(self, now_ns: int, *, at_latch: bool, overslept: bool = False) -> None:
         """Let the gate decide on what is held, and write what it gives."""
+        link = worst(self.commands.watch.look(now_ns), self.permits.watch.look(now_ns))
         seen = GateInput(
             self.mailbox.permit_seen(now_ns),
             self.mailbox.command_seen(now_ns),
@@ -75,6 +78,8 @@ class Gatekeeper:
             self._timeline.tick,
             self.estop,
             overslept,
+            link.faults,
+            link.rivals,
         )
         if seen.permit.arming in self._burned:
             self._burn(seen.permit.arming)
@@ -84,7 +89,7 @@ class Gatekeeper:
         if before.arming != 0 and self.gate.arming == 0:
             self.last_cut = self.gate.cause
         if (before.state, before.cause) != (self.gate.state, self.gate.cause):
-            self._tell(seen)
+            self._tell(before, seen)
 
     @property
     def burned(self) -> frozenset[int]:
@@ -96,22 +101,8 @@ class Gatekeeper:
         if arming != 0 and arming not in self.gate.burned:
             self.gate = self.gate._replace(burned=(arming, *self.gate.burned[:-1]))
 
-    def _tell(self, seen: GateInput) -> None:
+    def _tell(self, before: GateMemory, seen: GateInput) -> None:
         number, tick = self._timeline.number, self._timeline.tick
-        measured, limit = numbers(self.gate.cause, seen, self.limits)
+        measured, limit = numbers(self.gate.cause, before, seen, self.limits)
         event = GateEvent(number, tick, self.gate.state, self.gate.cause, measured, limit)
         self._bus.publish("plant/gate", event, (number, self._timeline.substep * SUBSTEP_NS))
-
-
-def numbers(cause: int, seen: GateInput, limits: GateLimits) -> tuple[float, float]:
-    """Measured value and limit behind a decision; zeros where there is no number."""
-    known = {
-        GateCause.PERMIT_STALE: (seen.permit.age_ns / 1e9, limits.permit_ttl_ns / 1e9),
-        GateCause.COMMAND_STALE: (seen.command.age_ns / 1e9, limits.command_ttl_ns / 1e9),
-        GateCause.FORCE_ABOVE_LIMIT: (seen.force_n, limits.force_limit_n),
-        GateCause.FORCE_INVALID: (
-            float(seen.force_counts),
-            float(limits.min_force_counts if seen.force_counts < limits.min_force_counts else limits.max_force_counts),
-        ),
-    }
-    return known.get(GateCause(cause), (0.0, 0.0))
