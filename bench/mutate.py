@@ -19,6 +19,10 @@ ROOT = Path(__file__).resolve().parent.parent
 TESTS = {
     "services/plant/gate.py": ["tests/test_gate_conditions.py", "tests/test_gate_arming.py"],
     "services/supervisor/rules.py": ["tests/test_supervisor_rules.py"],
+    "services/supervisor/force_rules.py": ["tests/test_supervisor_rules.py"],
+    "services/supervisor/motion_rules.py": ["tests/test_supervisor_rules.py"],
+    "services/supervisor/transport_rules.py": ["tests/test_supervisor_rules.py"],
+    "services/supervisor/observe.py": ["tests/test_supervisor_observe.py"],
     "services/supervisor/modes.py": ["tests/test_supervisor_modes.py"],
 }
 COMPARISONS: dict[type[ast.cmpop], tuple[type[ast.cmpop], ...]] = {

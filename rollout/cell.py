@@ -12,6 +12,7 @@ from services.plant.gate import CommandSeen, GateInput, GateMemory, PermitSeen, 
 from services.plant.machine import MachineState, advance, sense, truth
 from services.plant.params import ContactParams, MachineParams
 from services.supervisor.modes import NOTHING, RUNNING
+from services.supervisor.observe import Bias, Watch
 from services.supervisor.step import Asked, SupervisorMemory, SupervisorParams, supervisor_step
 from shared.kernel import kernel
 from shared.messages import ControllerState, Permit, Sample, Truth
@@ -162,7 +163,7 @@ def play(
 ) -> tuple[SupervisorMemory, GateMemory, int]:
     """Run every tick; returns the supervisor's and the gate's last state and the number of rows written."""
     state, gate = setup.start, GateMemory(0, 1, (2048, 2048, 2048), -1, 0, 0, 0, 0, (0,) * 16, (0, 0, 0))
-    watch = SupervisorMemory(RUNNING, _ARMING, 0, 0.0, 0.0, -1, 0, 0, 0, -1, 0.0, 0.0, 0.0, 0.0, 0, (0, 0, 0))
+    watch = SupervisorMemory(RUNNING, _ARMING, 0, 0.0, 0.0, -1, 0, 0, 0, (0, 0, 0), Watch(-1, Bias(0.0, 0.0, 0.0, 0.0, 0)))
     time_ns = 0
     trial_time_ns = 0
     for i in range(-setup.first_tick):

@@ -4,8 +4,9 @@ from services.plant.about import about
 from services.plant.config import GateLimits, PlantConfig
 from services.supervisor.config import SupervisorConfig
 from services.supervisor.modes import NOTHING, RUNNING
+from services.supervisor.observe import Bias, Watch
 from services.supervisor.params import supervisor_params
-from services.supervisor.rules import Observed
+from services.supervisor.rule import GaugeSeen, MotionSeen, Observed, TransportSeen
 from services.supervisor.step import Asked, SupervisorMemory, supervisor_step
 from shared.messages import NO_TRIAL, Sample
 
@@ -14,10 +15,25 @@ CONFIG = SupervisorConfig()
 ABOUT = about(PlantConfig(), GateLimits())
 PARAMS = supervisor_params(CONFIG, ABOUT, BIAS, DURATION)
 LIMITS = PARAMS.limits
-N_PER_COUNT = PARAMS.calibration.force_n_per_count
+N_PER_COUNT = PARAMS.observing.calibration.force_n_per_count
 LEVEL = (4031, 971, 207, 0, 33)  # all links level, boom out by 0.21 m
 
-FINE = Observed(True, True, 10, 13.5, 1.0, 12.5, 4.0, (0.0, 0.0, 0.2), (0.6, 0.0, 0.1), 0, 0, 1, 1, 5, True)
+FINE = Observed(
+    True,
+    True,
+    5,
+    GaugeSeen(counts=10, raw_n=13.5, tared_n=1.0, bias_n=12.5, bias_spread_n=4.0),
+    MotionSeen(q_rad=(0.0, 0.0, 0.2), tip_m=(0.6, 0.0, 0.1)),
+    TransportSeen(lost_samples=0, stale_ns=0, command_lag=1, gate=1, ready=True),
+)
+
+
+def changed(seen, **changes):
+    """`seen` with other fields, whichever part they are in."""
+    for part in ("gauge", "motion", "transport"):
+        own = {field: changes.pop(field) for field in getattr(seen, part)._fields if field in changes}
+        seen = seen._replace(**{part: getattr(seen, part)._replace(**own)})
+    return seen._replace(**changes)
 
 
 def sample(number, tick=NO_TRIAL, **changes):
@@ -36,6 +52,5 @@ def step(memory, seen, wanted=None, params=PARAMS):
 def running(tick=5, number=50, **changes):
     """In the middle of a trial whose first sample was such that `number` is `tick`."""
     first = number - tick - BIAS
-    return SupervisorMemory(mode=RUNNING, arming=4711, first_sample=first, last_number=number - 1, bias_count=BIAS)._replace(
-        **changes
-    )
+    watch = Watch(number - 1, Bias(samples=BIAS))
+    return SupervisorMemory(mode=RUNNING, arming=4711, first_sample=first, watch=watch)._replace(**changes)

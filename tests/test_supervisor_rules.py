@@ -3,9 +3,10 @@ import math
 import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
-from supervisor_scene import CONFIG, FINE, LIMITS
+from supervisor_scene import CONFIG, FINE, LIMITS, changed
 
-from services.supervisor.rules import RULES, WORDS, Limits, Observed, first_broken, fold
+from services.supervisor.rule import GaugeSeen, Limits, MotionSeen, Observed, TransportSeen
+from services.supervisor.rules import RULES, WORDS, first_broken, fold
 from shared.kernel import compiled
 from shared.messages import GateState, TripCause
 
@@ -25,18 +26,18 @@ def below(limit):
 
 
 def one_of(field, index, value):
-    values = list(getattr(FINE, field))
+    values = list(getattr(FINE.motion, field))
     values[index] = value
     return {field: tuple(values)}
 
 
 AT_LIMIT = [
-    {"force_counts": 0},
-    {"force_counts": 517},
-    {"force_raw_n": RAW},
-    {"force_raw_n": -RAW},
-    {"force_tared_n": TARED},
-    {"force_tared_n": -TARED},
+    {"counts": 0},
+    {"counts": 517},
+    {"raw_n": RAW},
+    {"raw_n": -RAW},
+    {"tared_n": TARED},
+    {"tared_n": -TARED},
     {"bias_n": 60.0},
     {"bias_n": -60.0},
     {"bias_spread_n": 15.0},
@@ -54,14 +55,14 @@ AT_LIMIT = [
     *(one_of("tip_m", i, HIGH_M[i]) for i in range(3)),
 ]
 PAST = [  # what is seen, the cause, the number that broke, the limit it broke
-    ({"force_counts": -1}, TripCause.FORCE_INVALID, -1.0, 0.0),
-    ({"force_counts": 518}, TripCause.FORCE_INVALID, 518.0, 518.0),
-    ({"force_raw_n": above(RAW)}, TripCause.FORCE_RAW, above(RAW), RAW),
-    ({"force_raw_n": -above(RAW)}, TripCause.FORCE_RAW, -above(RAW), RAW),
-    ({"force_raw_n": NAN}, TripCause.FORCE_RAW, NAN, RAW),
-    ({"force_tared_n": above(TARED)}, TripCause.FORCE_TARED, above(TARED), TARED),
-    ({"force_tared_n": -above(TARED)}, TripCause.FORCE_TARED, -above(TARED), TARED),
-    ({"force_tared_n": NAN}, TripCause.FORCE_TARED, NAN, TARED),
+    ({"counts": -1}, TripCause.FORCE_INVALID, -1.0, 0.0),
+    ({"counts": 518}, TripCause.FORCE_INVALID, 518.0, 518.0),
+    ({"raw_n": above(RAW)}, TripCause.FORCE_RAW, above(RAW), RAW),
+    ({"raw_n": -above(RAW)}, TripCause.FORCE_RAW, -above(RAW), RAW),
+    ({"raw_n": NAN}, TripCause.FORCE_RAW, NAN, RAW),
+    ({"tared_n": above(TARED)}, TripCause.FORCE_TARED, above(TARED), TARED),
+    ({"tared_n": -above(TARED)}, TripCause.FORCE_TARED, -above(TARED), TARED),
+    ({"tared_n": NAN}, TripCause.FORCE_TARED, NAN, TARED),
     ({"bias_n": above(60.0)}, TripCause.BIAS, above(60.0), 60.0),
     ({"bias_n": -above(60.0)}, TripCause.BIAS, -above(60.0), 60.0),
     ({"bias_n": NAN}, TripCause.BIAS, NAN, 60.0),
@@ -82,7 +83,7 @@ PAST = [  # what is seen, the cause, the number that broke, the limit it broke
     ({"gate": int(GateState.BURNED)}, TripCause.GATE_CUT, float(GateState.BURNED), float(GateState.OPEN)),
     ({"ready": False}, TripCause.NOT_READY, 0.0, 1.0),
 ]
-AT_REST = FINE._replace(moving=False, starting=False)
+AT_REST = changed(FINE, moving=False, starting=False)
 ONLY_WHILE_MOVING = (TripCause.SAMPLE_LOST, TripCause.COMMAND_STALE, TripCause.GATE_CUT)
 ONLY_AT_THE_START = (TripCause.BIAS, TripCause.NOT_READY)
 
@@ -103,12 +104,12 @@ def test_the_limits_of_the_transport_are_leases_in_whole_samples():
 
 @pytest.mark.parametrize("changes", AT_LIMIT, ids=str)
 def test_a_rule_holds_on_its_limit(changes):
-    assert first_broken(FINE._replace(**changes), LIMITS) == (0, 0.0, 0.0)
+    assert first_broken(changed(FINE, **changes), LIMITS) == (0, 0.0, 0.0)
 
 
 @pytest.mark.parametrize(("changes", "cause", "measured", "limit"), PAST, ids=lambda value: str(value)[:40])
 def test_a_rule_breaks_just_past_its_limit_and_tells_its_own_numbers(changes, cause, measured, limit):
-    found = first_broken(FINE._replace(**changes), LIMITS)
+    found = first_broken(changed(FINE, **changes), LIMITS)
     assert found[0] == cause
     assert same(found[1], measured)
     assert found[2] == pytest.approx(limit, rel=1e-12)
@@ -116,10 +117,10 @@ def test_a_rule_breaks_just_past_its_limit_and_tells_its_own_numbers(changes, ca
 
 @pytest.mark.parametrize(("changes", "cause", "measured", "limit"), PAST, ids=lambda value: str(value)[:40])
 def test_at_rest_only_what_can_be_judged_at_rest_is(changes, cause, measured, limit):
-    found = first_broken(AT_REST._replace(**changes), LIMITS)[0]
+    found = first_broken(changed(AT_REST, **changes), LIMITS)[0]
     assert found == (0 if cause in ONLY_WHILE_MOVING + ONLY_AT_THE_START else cause)
-    assert first_broken(AT_REST._replace(starting=True, **changes), LIMITS)[0] == (0 if cause in ONLY_WHILE_MOVING else cause)
-    assert first_broken(AT_REST._replace(moving=True, **changes), LIMITS)[0] == (0 if cause in ONLY_AT_THE_START else cause)
+    assert first_broken(changed(AT_REST, starting=True, **changes), LIMITS)[0] == (0 if cause in ONLY_WHILE_MOVING else cause)
+    assert first_broken(changed(AT_REST, moving=True, **changes), LIMITS)[0] == (0 if cause in ONLY_AT_THE_START else cause)
 
 
 def test_the_rows_stand_in_the_order_of_severity_and_every_cause_has_words():
@@ -133,7 +134,7 @@ def test_of_several_broken_rows_the_first_decides():
     seen = FINE
     for changes, cause, measured, limit in reversed(PAST):
         before = first_broken(seen, LIMITS)[0]
-        seen = seen._replace(**changes)
+        seen = changed(seen, **changes)
         found = first_broken(seen, LIMITS)
         assert found[0] == min(cause, before or cause)
         if before != cause:
@@ -145,8 +146,8 @@ def test_every_row_alone_is_folded_to_itself():
     for rule in RULES:
         alone = fold((rule,))
         for changes, cause, _, _ in PAST:
-            assert alone(FINE._replace(**changes), LIMITS)[0] == (int(cause) if cause == rule.cause else 0)
-    assert fold(())(FINE._replace(ready=False), LIMITS) == (0, 0.0, 0.0)
+            assert alone(changed(FINE, **changes), LIMITS)[0] == (int(cause) if cause == rule.cause else 0)
+    assert fold(())(changed(FINE, ready=False), LIMITS) == (0, 0.0, 0.0)
 
 
 ANY_FLOAT = st.floats() | st.sampled_from([0.0, RAW, TARED, 60.0, 15.0, -2.0, 2.0])
@@ -157,18 +158,9 @@ SEEN = st.builds(
     st.booleans(),
     st.booleans(),
     INTS,
-    ANY_FLOAT,
-    ANY_FLOAT,
-    ANY_FLOAT,
-    ANY_FLOAT,
-    TRIPLES | st.just(FINE.q_rad),
-    TRIPLES | st.just(FINE.tip_m),
-    INTS,
-    st.integers(0, 30_000_000),
-    INTS,
-    st.integers(0, 3),
-    INTS,
-    st.booleans(),
+    st.builds(GaugeSeen, INTS, ANY_FLOAT, ANY_FLOAT, ANY_FLOAT, ANY_FLOAT),
+    st.builds(MotionSeen, TRIPLES | st.just(FINE.motion.q_rad), TRIPLES | st.just(FINE.motion.tip_m)),
+    st.builds(TransportSeen, INTS, st.integers(0, 30_000_000), INTS, st.integers(0, 3), st.booleans()),
 )
 
 
@@ -182,8 +174,8 @@ def test_plain_and_compiled_rules_agree_on_anything(seen):
 
 def test_every_row_tells_its_number_and_limit_even_while_it_holds():
     told = {rule.cause: (rule.measured(FINE, LIMITS), rule.limit(FINE, LIMITS)) for rule in RULES}
-    assert told[TripCause.JOINT_LIMIT] == (FINE.q_rad[0], HIGH_RAD[0])
-    assert told[TripCause.WORKSPACE] == (FINE.tip_m[0], HIGH_M[0])
+    assert told[TripCause.JOINT_LIMIT] == (FINE.motion.q_rad[0], HIGH_RAD[0])
+    assert told[TripCause.WORKSPACE] == (FINE.motion.tip_m[0], HIGH_M[0])
     assert told[TripCause.NOT_READY] == (1.0, 1.0)
     assert told[TripCause.SAMPLE_LOST] == (0.0, 4.0)
     assert all(type(number) is float for pair in told.values() for number in pair)
@@ -191,24 +183,24 @@ def test_every_row_tells_its_number_and_limit_even_while_it_holds():
 
 def test_of_several_values_the_first_outside_its_bounds_is_told():
     for edge in (LOW_RAD[0], HIGH_RAD[0]):
-        seen = FINE._replace(q_rad=(edge, above(HIGH_RAD[1]), 9.0))
+        seen = changed(FINE, q_rad=(edge, above(HIGH_RAD[1]), 9.0))
         assert first_broken(seen, LIMITS) == (TripCause.JOINT_LIMIT, above(HIGH_RAD[1]), HIGH_RAD[1])
 
 
 def test_a_bias_on_its_limit_leaves_the_word_to_its_spread():
     for bias_n in (60.0, -60.0):
-        assert first_broken(FINE._replace(bias_n=bias_n, bias_spread_n=16.0), LIMITS) == (TripCause.BIAS, 16.0, 15.0)
+        assert first_broken(changed(FINE, bias_n=bias_n, bias_spread_n=16.0), LIMITS) == (TripCause.BIAS, 16.0, 15.0)
 
 
 def test_limits_that_cross_let_nothing_pass_and_tell_the_bound_that_broke():
     crossed = LIMITS._replace(config=CONFIG._replace(joint_low_rad=(0.3, -0.5, 0.0), joint_high_rad=(0.2, 0.4, 1.0)))
     for value, limit in ((0.2, 0.3), (0.25, 0.2)):
-        assert first_broken(FINE._replace(q_rad=(value, 0.0, 0.2)), crossed) == (TripCause.JOINT_LIMIT, value, limit)
+        assert first_broken(changed(FINE, q_rad=(value, 0.0, 0.2)), crossed) == (TripCause.JOINT_LIMIT, value, limit)
     narrow = LIMITS._replace(min_force_counts=6, max_force_counts=5)
-    assert first_broken(FINE._replace(force_counts=6), narrow) == (TripCause.FORCE_INVALID, 6.0, 5.0)
-    assert first_broken(FINE._replace(force_counts=5), narrow) == (TripCause.FORCE_INVALID, 5.0, 6.0)
+    assert first_broken(changed(FINE, counts=6), narrow) == (TripCause.FORCE_INVALID, 6.0, 5.0)
+    assert first_broken(changed(FINE, counts=5), narrow) == (TripCause.FORCE_INVALID, 5.0, 6.0)
     impatient = LIMITS._replace(lease_samples=-2)
-    assert first_broken(FINE._replace(command_lag=0), impatient) == (TripCause.SAMPLE_LOST, 0.0, -2.0)
-    assert first_broken(FINE._replace(moving=True, lost_samples=0, command_lag=0), LIMITS) == (0, 0.0, 0.0)
+    assert first_broken(changed(FINE, command_lag=0), impatient) == (TripCause.SAMPLE_LOST, 0.0, -2.0)
+    assert first_broken(changed(FINE, moving=True, lost_samples=0, command_lag=0), LIMITS) == (0, 0.0, 0.0)
     stale = next(rule for rule in RULES if rule.cause == TripCause.COMMAND_STALE)
-    assert stale.limit(FINE._replace(command_lag=0), LIMITS) == 5.0
+    assert stale.limit(changed(FINE, command_lag=0), LIMITS) == 5.0

@@ -1,6 +1,5 @@
 import math
 
-import numpy as np
 import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
@@ -8,8 +7,9 @@ from supervisor_scene import ABOUT, BIAS, CONFIG, DURATION, LEVEL, N_PER_COUNT, 
 
 from services.plant.config import GateLimits
 from services.supervisor.modes import Event
+from services.supervisor.observe import Bias, Watch
 from services.supervisor.params import below_gate, supervisor_params
-from services.supervisor.step import SupervisorMemory, observe, supervisor_step
+from services.supervisor.step import SupervisorMemory, supervisor_step
 from shared.kernel import compiled
 from shared.messages import NO_COMMAND, NO_TRIAL, GateCause, GateState, Mode, TripCause
 from shared.pose import UNIMATE_GEOMETRY, forward, joint_positions
@@ -116,7 +116,7 @@ def test_an_emergency_stop_at_either_place_names_itself_even_when_a_rule_breaks_
 
 
 def test_samples_that_stop_trip_a_running_trial():
-    memory = step(running(last_number=50), sample(50, 5), asked(stale_ns=20_000_001))
+    memory = step(running(watch=Watch(50)), sample(50, 5), asked(stale_ns=20_000_001))
     assert (memory.mode, memory.cause) == (Mode.TRIPPED, TripCause.SAMPLE_STALE)
     assert (memory.measured, memory.limit) == pytest.approx((0.020000001, 0.02))
 
@@ -124,7 +124,7 @@ def test_samples_that_stop_trip_a_running_trial():
 @pytest.mark.parametrize(("number", "mode"), [(50, Mode.RUNNING), (54, Mode.RUNNING), (55, Mode.TRIPPED)])
 def test_a_lease_of_lost_samples_is_borne_and_one_more_trips(number, mode):
     memory = step(running(), sample(number, number - 45))
-    assert (memory.mode, memory.last_number) == (mode, number)
+    assert (memory.mode, memory.watch.last_number) == (mode, number)
     assert memory.cause == (TripCause.NONE if mode == Mode.RUNNING else TripCause.SAMPLE_LOST)
 
 
@@ -157,50 +157,9 @@ def test_a_controller_that_is_not_ready_trips_even_if_the_sample_before_tick_0_i
 def test_a_bias_above_its_limit_trips_even_if_the_sample_before_tick_0_is_lost(tick):
     counts = math.ceil(61.0 / N_PER_COUNT)
     bias_n = counts * N_PER_COUNT
-    biased = running(tick=tick, bias_n=bias_n, bias_sum_n=bias_n * BIAS, bias_square_n2=bias_n * bias_n * BIAS)
+    biased = running(tick=tick, watch=Watch(49, Bias(bias_n, 0.0, bias_n * BIAS, bias_n * bias_n * BIAS, BIAS)))
     memory = step(biased, sample(50, tick, force_counts=counts))
     assert (memory.mode, memory.cause, memory.limit) == (Mode.TRIPPED, TripCause.BIAS, 60.0)
-
-
-def play_bias(counts, memory=None, lost=()):
-    memory = memory or started()
-    for row, count in enumerate(counts):
-        if row not in lost:
-            memory = step(memory, sample(memory.first_sample + row, row - BIAS, force_counts=count))
-    return memory
-
-
-@given(st.lists(st.integers(0, 40), min_size=BIAS, max_size=BIAS))
-def test_bias_and_spread_are_mean_and_standard_deviation_of_the_negative_ticks(counts):
-    memory = play_bias(counts)
-    force_n = np.array(counts) * N_PER_COUNT
-    assert memory.bias_n == pytest.approx(force_n.mean(), rel=1e-12, abs=1e-12)
-    assert memory.bias_spread_n == pytest.approx(force_n.std(), rel=1e-6, abs=1e-5)
-    assert memory.bias_count == BIAS
-
-
-def test_the_bias_of_a_trial_before_leaves_no_trace_even_if_the_first_tick_is_lost():
-    soiled = started()._replace(
-        mode=int(Mode.DISARMED), arming=0, bias_n=50.0, bias_sum_n=5000.0, bias_square_n2=1e6, bias_count=100
-    )
-    memory = step(step(soiled, sample(30), asked(Event.ARM)), sample(31), asked(Event.START))
-    memory = play_bias([10] * BIAS, memory, lost=(0,))
-    assert memory.bias_n == pytest.approx(10 * N_PER_COUNT)
-    assert memory.bias_count == BIAS - 1
-
-
-def test_ticks_from_zero_on_and_absence_leave_the_bias_alone():
-    memory = play_bias([10] * BIAS)
-    later = step(memory, sample(memory.first_sample + BIAS, 0, force_counts=100))
-    assert later[10:15] == memory[10:15]
-    absent = step(memory, sample(memory.last_number, -1, force_counts=100), asked(stale_ns=1))
-    assert absent[10:15] == memory[10:15]
-    assert step(memory, sample(memory.last_number + 1, -BIAS - 1, force_counts=100))[10:15] == memory[10:15]
-
-
-def test_tared_force_is_raw_force_without_the_bias():
-    seen = observe(running(bias_n=20.0), PARAMS, sample(50, 5, force_counts=100), asked())
-    assert (seen.force_raw_n, seen.force_tared_n) == (100 * N_PER_COUNT, 100 * N_PER_COUNT - 20.0)
 
 
 def test_recovery_draws_its_own_arming_and_shows_the_unloading_signs():
@@ -243,7 +202,7 @@ def test_recovery_from_a_joint_limit_trips_anew_on_a_force():
 def test_the_unloading_sign_moves_the_tip_the_way_the_environment_pushes(axis, sign):
     params = PARAMS._replace(force_axis=axis, force_sign=sign)
     memory = supervisor_step(running(), params, sample(50, 5, force_counts=HEAVY), asked())[0]
-    q, pitch_rad = joint_positions(params.calibration, LEVEL)
+    q, pitch_rad = joint_positions(params.observing.calibration, LEVEL)
     moved = tuple(a + 0.01 * b for a, b in zip(q, memory.recover_signs, strict=True))
     assert sum(map(abs, memory.recover_signs)) == 1
     way_m = forward(UNIMATE_GEOMETRY, moved, pitch_rad)[axis] - forward(UNIMATE_GEOMETRY, q, pitch_rad)[axis]

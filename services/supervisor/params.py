@@ -1,7 +1,8 @@
 """The supervisor's parameters for one trial, from its section, the plant's description and the trial's length."""
 
 from services.supervisor.config import SupervisorConfig
-from services.supervisor.rules import Limits
+from services.supervisor.observe import Observing
+from services.supervisor.rule import Limits
 from services.supervisor.step import SupervisorParams
 from shared.converters import N_PER_FORCE_COUNT, calibration
 from shared.messages import About
@@ -21,11 +22,10 @@ def supervisor_params(config: SupervisorConfig, about: About, bias_ticks: int, d
 
     return SupervisorParams(
         Limits(config, 0, int(GAUGE_RANGE_N / N_PER_FORCE_COUNT), lease_samples, about.permit_ttl_ns),
-        calibration(about.encoders, about.force),
+        Observing(calibration(about.encoders, about.force), bias_ticks),
         about.force_axis,
         about.force_sign,
         duration_ticks,
-        bias_ticks,
         samples(_LEAD_S),
         samples(_ARMED_S),
         samples(_RECOVER_S),

@@ -221,7 +221,7 @@ class Supervisor:
             "measured": self.memory.measured,
             "limit": self.memory.limit,
             "arming": self.memory.arming,
-            "force_bias_n": self.memory.bias_n,
+            "force_bias_n": self.memory.watch.bias.mean_n,
             "experiment": self.bus.run.experiment.hex(),
             "run": self.bus.run.run,
             "discarded": {

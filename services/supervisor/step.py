@@ -1,6 +1,5 @@
 """One step of the supervisor: observe, judge, change mode, issue the permit. Verdict n is a function of sample n."""
 
-import math
 from typing import NamedTuple
 
 from services.supervisor.modes import (
@@ -14,11 +13,11 @@ from services.supervisor.modes import (
     next_mode,
 )
 from services.supervisor.modes import ESTOP as ESTOP_EVENT
-from services.supervisor.rules import Limits, Observed, first_broken
-from shared.converters import Calibration
+from services.supervisor.observe import Heard, Observing, Watch, bias_anew, observe_step
+from services.supervisor.rule import Limits, Observed
+from services.supervisor.rules import first_broken
 from shared.kernel import kernel
-from shared.messages import NO_COMMAND, NO_TRIAL, GateCause, Permit, Sample, TripCause
-from shared.pose import UNIMATE_GEOMETRY, forward, joint_positions
+from shared.messages import NO_COMMAND, GateCause, Permit, Sample, TripCause
 
 _ESTOP, _FORCE_INVALID, _FORCE_RAW, _FORCE_TARED = (
     int(TripCause.ESTOP),
@@ -35,11 +34,10 @@ class SupervisorParams(NamedTuple):
     """Everything the supervisor is told before a trial."""
 
     limits: Limits
-    calibration: Calibration
+    observing: Observing
     force_axis: int
     force_sign: float
     duration_ticks: int
-    bias_ticks: int
     lead_samples: int  # from START to the trial's first sample, so that everyone knows it in advance
     armed_samples: int  # ARMED unused for longer is disarmed
     recover_samples: int  # lease of a hold-to-run request
@@ -67,13 +65,8 @@ class SupervisorMemory(NamedTuple):
     first_sample: int = NO_COMMAND
     armed_at: int = 0
     held_until: int = 0
-    last_number: int = NO_COMMAND
-    bias_n: float = 0.0
-    bias_spread_n: float = 0.0
-    bias_sum_n: float = 0.0
-    bias_square_n2: float = 0.0
-    bias_count: int = 0
     recover_signs: tuple[int, int, int] = _NO_SIGNS
+    watch: Watch = Watch()
 
 
 @kernel
@@ -81,9 +74,8 @@ def supervisor_step(
     memory: SupervisorMemory, params: SupervisorParams, sample: Sample, asked: Asked
 ) -> tuple[SupervisorMemory, Permit]:
     """Judge one sample (or its absence, when asked.stale_ns > 0) and say who may move."""
-    if asked.stale_ns == 0:
-        memory = _take_bias(memory, params, sample)
-    seen = observe(memory, params, sample, asked)
+    heard = Heard(memory.mode == RUNNING, asked.stale_ns, asked.controller_ready)
+    watch, seen = observe_step(memory.watch, params.observing, sample, heard)
     broken, measured, limit = first_broken(seen, params.limits)
     facts = Facts(
         broken,
@@ -91,80 +83,12 @@ def supervisor_step(
         asked.agreed,
         _can_recover(memory) and not (memory.mode == RECOVER and _force_on_top(memory, broken)),
         sample.number < memory.held_until or asked.event == HOLD_RECOVER,
-        memory.mode == RUNNING and sample.number >= memory.first_sample + params.bias_ticks + params.duration_ticks,
+        memory.mode == RUNNING and sample.number >= memory.first_sample + params.observing.bias_ticks + params.duration_ticks,
         memory.mode == ARMED and sample.number - memory.armed_at > params.armed_samples,
     )
     mode = next_mode(memory.mode, asked.event, facts)
-    memory = _enter(memory, params, sample, asked, seen, (broken, measured, limit), mode)
+    memory = _enter(memory, params, sample, asked, seen, (broken, measured, limit), mode, watch)
     return memory, _permit(memory, params)
-
-
-@kernel
-def observe(memory: SupervisorMemory, params: SupervisorParams, sample: Sample, asked: Asked) -> Observed:
-    """What the rules judge."""
-    q_rad, pitch_rad = joint_positions(params.calibration, sample.encoder_counts)
-    raw_n = sample.force_counts * params.calibration.force_n_per_count
-    running = memory.mode == RUNNING and sample.tick != NO_TRIAL
-    went_back = memory.mode == RUNNING and asked.stale_ns == 0 and sample.number <= memory.last_number
-    lost = 0
-    if memory.last_number != NO_COMMAND and asked.stale_ns == 0:
-        lost = sample.number - memory.last_number - 1
-    return Observed(
-        (running and sample.tick >= 0) or went_back,
-        running and sample.tick >= -1,
-        sample.force_counts,
-        raw_n,
-        raw_n - memory.bias_n,
-        memory.bias_n,
-        memory.bias_spread_n,
-        q_rad,
-        forward(UNIMATE_GEOMETRY, q_rad, pitch_rad),
-        lost,
-        asked.stale_ns,
-        sample.number - sample.command_number,
-        sample.gate,
-        sample.tick,
-        asked.controller_ready,
-    )
-
-
-@kernel
-def _take_bias(memory: SupervisorMemory, params: SupervisorParams, sample: Sample) -> SupervisorMemory:
-    """The supervisor's own mean and spread of the force at the negative ticks (thesis 5.1.2)."""
-    if not -params.bias_ticks <= sample.tick < 0:
-        return memory
-    force_n = sample.force_counts * params.calibration.force_n_per_count
-    total, square, count = force_n, force_n * force_n, 1
-    if sample.tick > -params.bias_ticks:
-        total, square, count = memory.bias_sum_n + total, memory.bias_square_n2 + square, memory.bias_count + 1
-    mean = total / count
-    variance = square / count - mean * mean
-    spread = math.sqrt(variance) if variance > 0.0 else 0.0
-    return _with_bias(memory, mean, spread, total, square, count)
-
-
-@kernel
-def _with_bias(
-    memory: SupervisorMemory, bias_n: float, spread_n: float, total: float, square: float, count: int
-) -> SupervisorMemory:
-    return SupervisorMemory(
-        memory.mode,
-        memory.arming,
-        memory.cause,
-        memory.measured,
-        memory.limit,
-        memory.trip_number,
-        memory.first_sample,
-        memory.armed_at,
-        memory.held_until,
-        memory.last_number,
-        bias_n,
-        spread_n,
-        total,
-        square,
-        count,
-        memory.recover_signs,
-    )
 
 
 @kernel
@@ -188,6 +112,7 @@ def _enter(
     seen: Observed,
     broken: tuple[int, float, float],
     mode: int,
+    watch: Watch,
 ) -> SupervisorMemory:
     """Memory after the change of mode: arming numbers are drawn on entering, a trip latches its cause."""
     arming, cause, trip_number = memory.arming, memory.cause, memory.trip_number
@@ -201,7 +126,7 @@ def _enter(
         arming, armed_at = asked.new_arming, sample.number
     if mode == RUNNING and memory.mode != RUNNING:
         first_sample = sample.number + params.lead_samples
-        memory = _with_bias(memory, memory.bias_n, memory.bias_spread_n, 0.0, 0.0, 0)
+        watch = bias_anew(watch)
     if mode == TRIPPED and memory.mode != TRIPPED:
         arming, first_sample = 0, NO_COMMAND
         if memory.mode != RECOVER or _force_on_top(memory, broken[0]):
@@ -224,13 +149,8 @@ def _enter(
         first_sample,
         armed_at,
         held_until,
-        sample.number,
-        memory.bias_n,
-        memory.bias_spread_n,
-        memory.bias_sum_n,
-        memory.bias_square_n2,
-        memory.bias_count,
         signs,
+        watch,
     )
 
 
@@ -246,9 +166,9 @@ def _unloading(params: SupervisorParams, seen: Observed, cause: int) -> tuple[in
     if cause == _JOINT_LIMIT:
         config = params.limits.config
         return (
-            _inward(seen.q_rad[0], config.joint_low_rad[0], config.joint_high_rad[0]),
-            _inward(seen.q_rad[1], config.joint_low_rad[1], config.joint_high_rad[1]),
-            _inward(seen.q_rad[2], config.joint_low_rad[2], config.joint_high_rad[2]),
+            _inward(seen.motion.q_rad[0], config.joint_low_rad[0], config.joint_high_rad[0]),
+            _inward(seen.motion.q_rad[1], config.joint_low_rad[1], config.joint_high_rad[1]),
+            _inward(seen.motion.q_rad[2], config.joint_low_rad[2], config.joint_high_rad[2]),
         )
     return (0, 0, 0)
 
@@ -271,8 +191,8 @@ def _permit(memory: SupervisorMemory, params: SupervisorParams) -> Permit:
         memory.trip_number,
         memory.first_sample,
         params.duration_ticks,
-        params.bias_ticks,
+        params.observing.bias_ticks,
         signs,
         params.limits.config.force_limit_n,
-        memory.bias_n,
+        memory.watch.bias.mean_n,
     )

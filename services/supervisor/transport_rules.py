@@ -1,0 +1,71 @@
+"""What must hold of the messages and of those who send them."""
+
+from services.supervisor.rule import Limits, Observed, Rule
+from shared.kernel import kernel
+from shared.messages import GateState, TripCause
+
+_OPEN, _BURNED = int(GateState.OPEN), int(GateState.BURNED)
+
+
+@kernel
+def samples_complete(seen: Observed, limits: Limits) -> bool:
+    return not seen.moving or 0 <= seen.transport.lost_samples <= limits.lease_samples
+
+
+@kernel
+def samples_fresh(seen: Observed, limits: Limits) -> bool:
+    return seen.transport.stale_ns <= limits.lease_ns
+
+
+@kernel
+def commands_fresh(seen: Observed, limits: Limits) -> bool:
+    return not (seen.moving and seen.tick > 0) or 0 <= seen.transport.command_lag <= limits.lease_samples + 1
+
+
+@kernel
+def gate_holds(seen: Observed, limits: Limits) -> bool:
+    return not seen.moving or seen.transport.gate != _BURNED
+
+
+@kernel
+def controller_ready(seen: Observed, limits: Limits) -> bool:
+    return not seen.starting or seen.transport.ready
+
+
+TRANSPORT_RULES = (
+    Rule(
+        samples_complete,
+        TripCause.SAMPLE_LOST,
+        lambda seen, _: float(seen.transport.lost_samples),
+        lambda seen, limits: float(limits.lease_samples if seen.transport.lost_samples >= 0 else 0),
+        "samples were lost for longer than the lease, or the plant started anew (samples)",
+    ),
+    Rule(
+        samples_fresh,
+        TripCause.SAMPLE_STALE,
+        lambda seen, _: seen.transport.stale_ns * 1e-9,
+        lambda _, limits: limits.lease_ns * 1e-9,
+        "the plant's samples have stopped (s)",
+    ),
+    Rule(
+        commands_fresh,
+        TripCause.COMMAND_STALE,
+        lambda seen, _: float(seen.transport.command_lag),
+        lambda seen, limits: float(limits.lease_samples + 1 if seen.transport.command_lag >= 0 else 0),
+        "the controller's commands have stopped or stand still (samples)",
+    ),
+    Rule(
+        gate_holds,
+        TripCause.GATE_CUT,
+        lambda seen, _: float(seen.transport.gate),
+        lambda _, __: float(_OPEN),
+        "the gate has cut; its own event says why",
+    ),
+    Rule(
+        controller_ready,
+        TripCause.NOT_READY,
+        lambda seen, _: 1.0 if seen.transport.ready else 0.0,
+        lambda _, __: 1.0,
+        "the controller is not ready: buffers not full, or the reference does not start within 2 counts of the pose",
+    ),
+)
