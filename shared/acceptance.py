@@ -14,6 +14,7 @@ class Acceptance:
         self.lost = 0
         self.discarded: Counter[str] = Counter()
         self.accepted = 0
+        self.other_run = 0  # accepted, and not used by who knows which run it is in
         self.link_faults = 0  # CRC and sequence faults under the bound identity
         self.rivals = 0  # valid frames of this sender that changed its epoch, or came of one that was left
         self._left: set[int] = set()

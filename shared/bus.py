@@ -50,6 +50,11 @@ class Run(NamedTuple):
     arming: int = 0
 
 
+def same_run(header: Header, run: Run) -> bool:
+    """Whether a frame belongs to this run of this experiment."""
+    return header.run == run.run and header.experiment == run.experiment
+
+
 class Inbox:
     """One topic's bounded ring, filled by the transport and drained by the step."""
 

@@ -201,6 +201,33 @@ class Permit(NamedTuple):
     force_bias_n: float
 
 
+class InboxCounts(NamedTuple):
+    """What a receiver made of one topic's frames since its start."""
+
+    topic: str
+    accepted: int
+    lost: int  # numbers that were skipped
+    other_run: int  # accepted, but of another run or experiment: not used
+    link_faults: int  # CRC and sequence faults under the bound identity
+    rivals: int  # frames by which the bound sender has another epoch
+    oversized: int  # from here on: why frames were discarded, strangers' among them
+    malformed: int
+    crc: int
+    version: int
+    schema: int
+    cell: int
+    sender: int
+    epoch: int
+    sequence: int
+
+
+class Reception(NamedTuple):
+    """Every inbox of one receiver."""
+
+    number: int  # sample at which this was counted
+    inboxes: tuple[InboxCounts, ...]
+
+
 class Ask(NamedTuple):
     """A request to one service."""
 

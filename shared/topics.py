@@ -25,6 +25,9 @@ TOPICS = (
     Topic("controller/command", 5, messages.Command, "controller", True, "1 lease", True),
     Topic("controller/state", 6, messages.ControllerState, "controller", True, "1 lease", False),
     Topic("supervisor/permit", 7, messages.Permit, "supervisor", True, "1 lease", True),
+    Topic("plant/reception", 10, messages.Reception, "plant", False, "", False),
+    Topic("controller/reception", 11, messages.Reception, "controller", False, "", False),
+    Topic("supervisor/reception", 12, messages.Reception, "supervisor", False, "", False),
 )
 ASK = Topic("operator/request", 8, messages.Ask, "operator", False, "", False)
 ANSWER = Topic("operator/answer", 9, messages.Answer, "", False, "", False)

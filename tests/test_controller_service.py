@@ -3,14 +3,16 @@
 import json
 
 import pytest
-from supervisor_scene import ABOUT
-from wire_scene import FakeBus
+from supervisor_scene import ABOUT, sample
+from wire_scene import FakeBus, header
 
 from experiments.experiment import Experiment, to_plain, warnings
 from experiments.library import find
 from services.controller.service import Controller
 from shared.bus import Request
+from shared.codec import Received
 from shared.envelope import seal
+from shared.messages import GateState
 
 
 def loaded(experiment: Experiment, about=ABOUT):
@@ -59,3 +61,13 @@ def test_a_foreign_plant_section_is_refused_and_the_controller_lives_on(wrong):
     controller._serve(Request("load", {"envelope": text}, lambda *answer: answers.append(answer)))
     ((accepted, reason, _),) = answers
     assert not accepted and reason
+
+
+def test_what_came_is_told_once_a_second_and_when_the_gate_is_burned():
+    controller = Controller(FakeBus())
+    controller._learn(ABOUT)
+    for number in range(300):
+        gate = GateState.BURNED if 250 <= number < 260 else GateState.SHUT
+        head = header("plant/sample", number)
+        controller._answer(Received(0, "plant/sample", head, sample(number, gate=int(gate))))
+    assert [told.number for told in controller.bus.of("controller/reception")] == [0, 222, 250]

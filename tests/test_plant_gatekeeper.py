@@ -145,6 +145,8 @@ def test_strangers_never_stop_a_cell(key):
     scene.bus.send_bytes(key, b"noise that nobody sent")
     assert scene.judge().state == GateState.OPEN
     assert scene.device.codes == MOVING
+    inbox = scene.keeper.permits if "permit" in key else scene.keeper.commands
+    assert inbox.acceptance.other_run == 1
 
 
 def test_a_sender_that_starts_anew_is_a_cut():
@@ -276,3 +278,16 @@ def test_two_controllers_shut_the_gate_before_it_was_ever_open():
     assert 77 in scene.keeper.burned
     scene.timeline.tick = 0
     assert scene.run().state == GateState.BURNED
+
+
+def test_a_cut_tells_what_was_made_of_the_frames_that_came():
+    scene = Scene()
+    scene.run(codes=MOVING)
+    assert not scene.bus.of("plant/reception")
+    scene.bus.send_bytes("controller/command", b"noise that nobody sent")
+    scene.keeper.estop = True
+    scene.judge()
+    ((number, (commands, permits)),) = scene.bus.of("plant/reception")
+    assert number == scene.timeline.number
+    assert (commands.topic, commands.accepted, commands.crc) == ("controller/command", 1, 1)
+    assert (permits.topic, permits.accepted, permits.crc) == ("supervisor/permit", 1, 0)

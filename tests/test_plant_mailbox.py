@@ -51,11 +51,11 @@ def test_a_fresh_packet_with_an_old_or_forged_echo_is_as_old_as_its_echo():
     assert (box.permit_seen(1500).age_ns, box.command_seen(1500).age_ns) == (IMPOSSIBLE, IMPOSSIBLE)
 
 
-def test_a_frame_of_another_run_or_experiment_is_counted_and_not_taken():
+def test_a_frame_of_another_run_or_experiment_is_not_taken():
     box = mailbox()
     assert not box.take_permit(permit(run=6), RUN)
     assert not box.take_command(command(experiment=b"other"), RUN)
-    assert (box.permit, box.command, box.foreign_runs) == (None, None, 2)
+    assert (box.permit, box.command) == (None, None)
     box.take_command(command(), RUN)
     assert not box.take_command(received("controller/command", command_body(ZERO), run=6), RUN)
     assert box.command_seen(1500).codes == (2100, 2048, 2048)

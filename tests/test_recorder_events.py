@@ -1,8 +1,8 @@
 from recorder_trial import received, trial
 
-from services.recorder.events import gap_event, gate_event, is_told, permit_events
+from services.recorder.events import gap_event, gate_event, is_told, permit_events, reception_event
 from services.recorder.gaps import Counted, Sequence
-from shared.messages import GateCause, GateEvent, GateState, Permit
+from shared.messages import GateCause, GateEvent, GateState, InboxCounts, Permit
 
 
 def permits() -> list[Permit]:
@@ -54,3 +54,12 @@ def test_a_gap_names_the_numbers_that_are_missing():
 
 def test_refusals_are_told_at_each_doubling():
     assert [n for n in range(1, 20) if is_told(n)] == [1, 2, 4, 8, 16]
+
+
+def test_a_count_that_grows_is_told_and_the_first_telling_is_the_base():
+    base = InboxCounts("plant/sample", 100, 1, *(0,) * 12)
+    assert reception_event("supervisor", None, base) is None
+    assert reception_event("supervisor", base, base._replace(accepted=200)) is None
+    event = reception_event("supervisor", base, base._replace(lost=4, crc=2, link_faults=1))
+    assert event == ("supervisor", "WARN", "supervisor of plant/sample: 3 lost, 1 link faults, 2 crc")
+    assert reception_event("supervisor", base._replace(lost=9), base) is None  # it started anew

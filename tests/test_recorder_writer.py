@@ -9,7 +9,7 @@ from services.recorder.scene import FORCE, TIP
 from services.recorder.writer import ANSWER_LATENCY, Writer
 from shared.codec import Received
 from shared.converters import UNIMATE_ENCODERS
-from shared.messages import Command, ControllerState, Permit, Sample
+from shared.messages import Command, ControllerState, InboxCounts, Permit, Reception, Sample
 
 
 def write(messages: list[Received], batch_rows: int = 50) -> list[Rows]:
@@ -145,3 +145,17 @@ def test_a_message_with_nan_reaches_the_rows_unchanged():
     written = write([permit._replace(body=permit.body._replace(measured=math.nan))])
     rows = matrix(written, "topic/supervisor/permit")
     assert np.isnan(rows).sum() == 1
+
+
+def test_the_counts_of_each_inbox_are_a_row_at_their_sample_and_a_line_where_they_grow():
+    inbox = InboxCounts("controller/command", 100, *(0,) * 13)
+    tellings = [(1000, inbox), (1222, inbox._replace(accepted=322, crc=2))]
+    messages = list(trial(300))
+    for seq, (number, counts) in enumerate(tellings):
+        messages.append(received("plant/reception", Reception(number, (counts,)), seq, number))
+    written = write(messages)
+    entity = "reception/plant/controller/command"
+    np.testing.assert_array_equal(matrix(written, entity), [inbox[1:], tellings[1][1][1:]])
+    assert [rows.times.samples.tolist() for rows in of(written, entity)] == [[1000], [1222]]
+    assert [rows.values for rows in of(written, "log/plant")] == [[("WARN", "plant of controller/command: 2 crc")]]
+    assert [rows.values for rows in written if rows.entity == entity and rows.kind == "names"] == [InboxCounts._fields[1:]]

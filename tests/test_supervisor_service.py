@@ -150,3 +150,15 @@ def test_a_request_to_a_cell_without_a_plant_is_answered_and_never_acts_later(mo
     assert [accepted for accepted, _, _ in answers] == [False]
     scene.judge()
     assert scene.supervisor.memory.mode == Mode.DISARMED
+
+
+def test_what_came_is_told_once_a_second_and_at_a_trip():
+    scene = Scene()
+    scene.armed()
+    for _ in range(300):
+        scene.judge()
+    assert [told.number for told in scene.bus.of("supervisor/reception")] == [222]
+    scene.ask("estop")
+    told = scene.bus.of("supervisor/reception")[-1]
+    assert told.number == scene.number
+    assert [inbox.topic for inbox in told.inboxes] == ["plant/sample", "controller/state", "plant/about"]

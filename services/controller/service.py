@@ -14,9 +14,10 @@ from services.controller.surroundings import surroundings
 from shared.bus import Bus, Request, Run
 from shared.codec import Received
 from shared.envelope import Envelope, section, unseal
-from shared.messages import About, Command
+from shared.messages import About, Command, GateState
 from shared.process import options_of, parser, serve
 from shared.realtime import follow
+from shared.reception import due, reception, told
 
 IDLE = ControllerConfig(target="joint")
 _WAKE_S = 0.1
@@ -35,6 +36,7 @@ class Controller:
         self.reference: Reference = ()
         self.pending: tuple[Envelope, ControllerConfig, Reference] | None = None
         self.answered = 0
+        self.burned = False  # the gate, at the last sample
 
     def run(self, stopped: Callable[[], bool]) -> None:
         """Until told to stop."""
@@ -72,6 +74,10 @@ class Controller:
         thought = thought._replace(compute_ns=time.perf_counter_ns() - began_ns)
         self.bus.publish("controller/state", thought, echo)
         self.answered += 1
+        burned = sample.gate == GateState.BURNED
+        if due(sample.number, self.about.sample_period_ns) or (burned and not self.burned):
+            self.bus.publish("controller/reception", reception(sample.number, (self.samples, self.abouts)), echo)
+        self.burned = burned
 
     def _serve(self, request: Request) -> None:
         if request.verb == "load":
@@ -120,8 +126,7 @@ class Controller:
             "answered": self.answered,
             "experiment": self.bus.run.experiment.hex(),
             "run": self.bus.run.run,
-            "discarded": dict(self.samples.acceptance.discarded),
-            "lost": self.samples.acceptance.lost,
+            "reception": told((self.samples, self.abouts)),
         }
 
 

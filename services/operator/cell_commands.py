@@ -77,9 +77,9 @@ def status(cell: CellName = "cell", port: Port = DEFAULT_PORT, as_json: AsJson =
     if as_json:
         print(json.dumps(found, indent=2))
     else:
-        table = Table("service", "state")
+        table = Table("service", "state", "lost, discarded, counted against a link")
         for service in SERVICES:
-            table.add_row(service, _words(service, found.get(service)))
+            table.add_row(service, _words(service, found.get(service)), _counts(found.get(service)))
         console.print(table)
     if not all(service in found for service in cells.LOOP):
         raise typer.Exit(EXIT_TRANSPORT)
@@ -170,6 +170,16 @@ def _await_links(bus: Any, timeout_s: float = 1.0) -> None:
     deadline = time.monotonic() + timeout_s
     while time.monotonic() < deadline and "plant" not in bus.alive(0.2):
         time.sleep(0.02)
+
+
+def _counts(found: dict[str, Any] | None) -> str:
+    """What a service did not use of the frames that came, a line a topic."""
+    received: dict[str, dict[str, int]] = (found or {}).get("reception", {})
+    lines = []
+    for topic, counts in received.items():
+        named = [f"{count} {name.replace('_', ' ')}" for name, count in counts.items() if name != "accepted"]
+        lines += [f"{topic}: {', '.join(named)}"] * bool(named)
+    return "\n".join(lines)
 
 
 def _words(service: str, found: dict[str, Any] | None) -> str:

@@ -1,6 +1,6 @@
 """Permits and commands from the bus, through the gate, to the device; every change of mind is published."""
 
-from collections.abc import Callable
+from collections.abc import Callable, Iterator
 
 from services.plant.config import GateLimits
 from services.plant.counters import Counters
@@ -14,6 +14,7 @@ from shared.codec import Received
 from shared.converters import N_PER_FORCE_COUNT
 from shared.messages import NO_TRIAL, GateCause, GateEvent
 from shared.protection import worst
+from shared.reception import reception
 from shared.units import SUBSTEP_NS
 
 
@@ -46,26 +47,32 @@ class Gatekeeper:
     def receive_permits(self) -> None:
         """Hold the newest permit."""
         for message in self.permits.take():
-            self.mailbox.take_permit(message, self._bus.run)
+            if not self.mailbox.take_permit(message, self._bus.run):
+                self.permits.acceptance.other_run += 1
 
     def receive_in_step(self, latch_ns: int) -> None:
         """Lockstep: hold the newest command; its age is simulated time."""
         self.receive_permits()
-        for message in self.commands.take():
-            if self.mailbox.take_command(message, self._bus.run):
-                self.command_age_ns = latch_ns
+        for _ in self._receive_commands():
+            self.command_age_ns = latch_ns
 
     def receive(self, now_ns: int, *, at_latch: bool, late: Callable[[Received], None]) -> None:
         """Real clock: hold the newest command; `late` is called for one that answers an older sample."""
         self.receive_permits()
-        for message in self.commands.take():
-            if not self.mailbox.take_command(message, self._bus.run):
-                continue
+        for message in self._receive_commands():
             self.command_age_ns = self.mailbox.command_seen(now_ns).age_ns - (now_ns - message.arrival_ns)
             if not at_latch or message.header.echo_number < self._timeline.number:
                 late(message)
             elif self._timeline.tick != NO_TRIAL:
                 self._counters.command_age_ns.append(self.command_age_ns)
+
+    def _receive_commands(self) -> Iterator[Received]:
+        """Commands of this run, each held when it is given; those of another are counted."""
+        for message in self.commands.take():
+            if self.mailbox.take_command(message, self._bus.run):
+                yield message
+            else:
+                self.commands.acceptance.other_run += 1
 
     def judge(self, now_ns: int, *, at_latch: bool, overslept: bool = False) -> None:
         """Let the gate decide on what is held, and write what it gives."""
@@ -88,6 +95,7 @@ class Gatekeeper:
         self._device.write(self.gate.codes)
         if before.arming != 0 and self.gate.arming == 0:
             self.last_cut = self.gate.cause
+            self.tell_reception()
         if (before.state, before.cause) != (self.gate.state, self.gate.cause):
             self._tell(before, seen)
 
@@ -100,6 +108,12 @@ class Gatekeeper:
         """Let the gate know a number that must never open it; it may have forgotten."""
         if arming != 0 and arming not in self.gate.burned:
             self.gate = self.gate._replace(burned=(arming, *self.gate.burned[:-1]))
+
+    def tell_reception(self) -> None:
+        """Publish what was made of the frames that came."""
+        number = self._timeline.number
+        told = reception(number, (self.commands, self.permits))
+        self._bus.publish("plant/reception", told, (number, self._timeline.substep * SUBSTEP_NS))
 
     def _tell(self, before: GateMemory, seen: GateInput) -> None:
         number, tick = self._timeline.number, self._timeline.tick

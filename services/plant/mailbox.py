@@ -2,7 +2,7 @@
 
 from services.plant.gate import NO_COMMAND_SEEN, NO_PERMIT_SEEN, CommandSeen, PermitSeen
 from services.plant.ledger import Ledger
-from shared.bus import Run
+from shared.bus import Run, same_run
 from shared.codec import Received
 from shared.messages import NO_COMMAND
 
@@ -15,26 +15,20 @@ class Mailbox:
         self._ledger = ledger
         self.permit: Received | None = None
         self.command: Received | None = None
-        self.foreign_runs = 0
 
     def take_permit(self, message: Received, run: Run) -> bool:
         """Hold a permit of this run."""
-        taken = self._ours(message, run)
+        taken = same_run(message.header, run)
         if taken:
             self.permit = message
         return taken
 
     def take_command(self, message: Received, run: Run) -> bool:
         """Hold a command of this run."""
-        taken = self._ours(message, run)
+        taken = same_run(message.header, run)
         if taken:
             self.command = message
         return taken
-
-    def _ours(self, message: Received, run: Run) -> bool:
-        ours = message.header.run == run.run and message.header.experiment == run.experiment
-        self.foreign_runs += not ours
-        return ours
 
     @property
     def arming(self) -> int:

@@ -11,6 +11,7 @@ from shared.bus import Request, Run
 from shared.envelope import section, unseal
 from shared.messages import GateCause
 from shared.realtime import follow
+from shared.reception import told
 
 if TYPE_CHECKING:
     from services.plant.service import Plant
@@ -92,14 +93,6 @@ def _status(plant: "Plant", request: Request) -> None:
             "estop": keeper.estop,
             "experiment": plant.bus.run.experiment.hex(),
             "run": plant.bus.run.run,
-            "discarded": {
-                "controller/command": dict(keeper.commands.acceptance.discarded),
-                "supervisor/permit": dict(keeper.permits.acceptance.discarded),
-                "other_run": keeper.mailbox.foreign_runs,
-            },
-            "lost": {
-                "controller/command": keeper.commands.acceptance.lost,
-                "supervisor/permit": keeper.permits.acceptance.lost,
-            },
+            "reception": told((keeper.commands, keeper.permits)),
         }
     )

@@ -17,6 +17,7 @@ from shared.clock import SLACK_NS, Grid
 from shared.codec import Received
 from shared.converters import ZERO_CODE
 from shared.messages import NO_TRIAL, Mode, Sample, Truth
+from shared.reception import due
 from shared.units import SUBSTEP_NS
 
 LOCKSTEP_TIMEOUT_S = 5.0
@@ -103,19 +104,21 @@ class Plant:
 
     def latch(self) -> None:
         """Let the newest valid permit and command decide, and write what the gate gives."""
-        due = self.due + self.schedule.latch
+        latch = self.due + self.schedule.latch
         if self._lockstep():
             self._await_answers()
         else:
-            self._wait(due)
+            self._wait(latch)
             self.keeper.receive(self.now_ns(), at_latch=True, late=self._apply_late)
-        self._advance_to(due)
+        self._advance_to(latch)
         self.keeper.late_substeps = 0
         self._count()
         self.keeper.judge(self.now_ns(), at_latch=True)
         self._follow_permit()
         if self._truth is not None:  # after the latch: the command's way is free until then
             self.bus.publish("plant/truth", self._truth, (self.timeline.number, self.due * SUBSTEP_NS))
+        if due(self.timeline.number, self.schedule.period * SUBSTEP_NS):
+            self.keeper.tell_reception()
         self.due += self.schedule.interval(self.timeline.tick)
         self.timeline.number += 1
 

@@ -123,6 +123,7 @@ def _behind(live: bool) -> list[Any]:
     latency = rrb.Tabs(
         _plot("Latency per hop [ms]", ["/figure/latency/**"], live),
         _plot("Missing messages", ["/missing/**"], live),
+        _plot("Frames received and discarded", ["/reception/**"], live),
         active_tab=0,
     )
     return [tracking, speed, pressure, latency]

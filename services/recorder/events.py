@@ -4,9 +4,12 @@ from typing import Literal, NamedTuple
 
 from services.recorder.gaps import Counted
 from shared.codec import Header, Rejected
-from shared.messages import NO_COMMAND, GateCause, GateEvent, GateState, Mode, Permit, TripCause
+from shared.messages import NO_COMMAND, GateCause, GateEvent, GateState, InboxCounts, Mode, Permit, TripCause
 
 Level = Literal["INFO", "WARN", "ERROR"]
+
+
+COUNT_NAMES = InboxCounts._fields[1:]
 
 
 class Event(NamedTuple):
@@ -55,6 +58,15 @@ def gap_event(topic: str, header: Header, counted: Counted) -> Event | None:
         first, last = header.seq - counted.skipped, header.seq - 1
         return Event("recorder", "WARN", f"{counted.skipped} missing on {topic} from {header.sender}: {first} to {last}")
     return None
+
+
+def reception_event(receiver: str, before: InboxCounts | None, now: InboxCounts) -> Event | None:
+    """What a receiver lost or discarded since it was last told; nothing at its first telling, or where it started anew."""
+    if before is None:
+        return None
+    grown = {name: getattr(now, name) - getattr(before, name) for name in COUNT_NAMES if name != "accepted"}
+    words = ", ".join(f"{by} {name.replace('_', ' ')}" for name, by in grown.items() if by > 0)
+    return Event(receiver, "WARN", f"{receiver} of {now.topic}: {words}") if words else None
 
 
 def rejected_event(rejected: Rejected, times: int) -> Event:

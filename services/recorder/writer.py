@@ -7,13 +7,13 @@ import numpy as np
 
 from services.recorder import scene
 from services.recorder.columns import MS, Matrix, column_names, figure_values, figures, flat_rows, widths
-from services.recorder.events import Event, gate_event, permit_events
+from services.recorder.events import COUNT_NAMES, Event, gate_event, permit_events, reception_event
 from services.recorder.lanes import changes, lanes
 from services.recorder.places import Place, Places, sample_numbers
 from services.recorder.rows import Rows, Times, alike, only, times_of
 from shared.codec import Received
 from shared.converters import UNIMATE_CONVERTERS
-from shared.messages import About, Command, ControllerState, GateEvent, Permit, Sample
+from shared.messages import About, Command, ControllerState, GateEvent, InboxCounts, Permit, Reception, Sample
 
 BATCH_ROWS = 256  # a batch is a chunk of the file with about 1 kB around it; `flush` comes earlier at slow rates
 ANSWER_LATENCY = "figure/latency/answer"
@@ -38,6 +38,7 @@ class Writer:
         self._emit = emit
         self._batch_rows = batch_rows
         self._waiting: dict[str, list[Received]] = {}
+        self._counts: dict[tuple[str, str], InboxCounts] = {}  # receiver and topic: what was told last
         self._places = Places()
         self._plant_epoch: int | None = None
         self.about: About | None = None
@@ -62,6 +63,10 @@ class Writer:
             if body != self.about:  # the plant repeats it for those who join late
                 self.about = body
                 self._describe(body)
+            self.rows[message.topic] = self.rows.get(message.topic, 0) + 1
+            return
+        if isinstance(body, Reception):
+            self._tell_reception(message)
             self.rows[message.topic] = self.rows.get(message.topic, 0) + 1
             return
         if isinstance(body, Sample):
@@ -110,6 +115,21 @@ class Writer:
         if message.header.arming != self._arming and message.header.arming:
             self.tell(Event("supervisor", "INFO", f"arming number {message.header.arming}"), place)
         self._permit, self._arming = message.body, message.header.arming
+
+    def _tell_reception(self, message: Received) -> None:
+        """The counts of each inbox as one row, and a line where one grew that should not."""
+        place = self._places.at(message.header.echo_number)
+        receiver = message.header.sender
+        for now in message.body.inboxes:
+            entity = f"reception/{receiver}/{now.topic}"
+            if self._named.get(entity) != COUNT_NAMES:
+                self._named[entity] = COUNT_NAMES
+                self._emit(Rows(entity, "names", None, COUNT_NAMES))
+            self._emit(Rows(entity, "scalars", times_of([place]), np.array([now[1:]], np.float64)))
+            event = reception_event(receiver, self._counts.get((receiver, now.topic)), now)
+            self._counts[receiver, now.topic] = now
+            if event is not None:
+                self.tell(event, place)
 
     def _flush_topic(self, topic: str, everything: bool) -> None:
         waiting = self._waiting.pop(topic, [])

@@ -11,12 +11,13 @@ from services.supervisor.modes import ARMED, DISARMED, RUNNING, TRIPPED, Event
 from services.supervisor.params import below_gate, supervisor_params
 from services.supervisor.rules import trip_words
 from services.supervisor.step import Asked, SupervisorMemory, supervisor_step
-from shared.bus import Bus, Request, Run
+from shared.bus import Bus, Request, Run, same_run
 from shared.codec import Received
 from shared.envelope import Envelope, section, unseal
 from shared.messages import About, Mode, Permit, TripCause
 from shared.process import draw_number, options_of, parser, serve
 from shared.realtime import follow
+from shared.reception import due, reception, told
 from shared.units import NS_PER_S
 
 _IDLE_WAKE_S = 0.1
@@ -49,6 +50,7 @@ class Supervisor:
         self.bus = bus
         self.samples, self.abouts = bus.subscribe("plant/sample"), bus.subscribe("plant/about")
         self.states = bus.subscribe("controller/state")
+        self._inboxes = (self.samples, self.states, self.abouts)
         self.memory = SupervisorMemory()
         self.about: About | None = None
         self.envelope: Envelope | None = None
@@ -68,9 +70,11 @@ class Supervisor:
                 self._learn(message.body)
             for message in self.states.take():
                 self.controller = message
+                self.states.acceptance.other_run += not same_run(message.header, self.bus.run)
             messages = self.samples.take()
             for message in messages:
                 self.sample = message
+                self.samples.acceptance.other_run += not same_run(message.header, self.bus.run)
                 self._judge(message, 0)
             for request in self.bus.requests():
                 self._serve(request)
@@ -111,25 +115,28 @@ class Supervisor:
         event, request = self.asked.pop(0) if self.asked else (Event.NOTHING, None)
         ready = self.controller is not None and self.controller.body.ready == 1
         asked = Asked(int(event), self._drawn, self._agreed(message), ready, stale_ns)
-        before = self.memory.arming
+        before = self.memory
         self.memory, self.permit = supervisor_step(self.memory, self.params, message.body, asked)
-        if self.memory.arming not in (0, before):
+        if self.memory.arming not in (0, before.arming):
             self._drawn = draw_number()
         self.bus.run = self.bus.run._replace(arming=self.memory.arming)
-        self.bus.publish("supervisor/permit", self.permit, (message.body.number, message.body.time_ns))
+        echo = (message.body.number, message.body.time_ns)
+        self.bus.publish("supervisor/permit", self.permit, echo)
+        trips = self.memory.mode == TRIPPED and before.mode != TRIPPED
+        if trips or (stale_ns == 0 and due(message.body.number, self.about.sample_period_ns)):
+            self.bus.publish("supervisor/reception", reception(message.body.number, self._inboxes), echo)
         if request is not None:
             self._reply(event, request, message)
 
     def _agreed(self, message: Received) -> bool:
         """Plant and controller report the loaded experiment and run, and the gate's limit stands above."""
-        run = self.bus.run
         return (
             self.envelope is not None
             and self.about is not None
             and self.about.permit_ttl_ns > 0
             and below_gate(self.config, self.about)
             and self.controller is not None
-            and all((m.header.run, m.header.experiment) == (run.run, run.experiment) for m in (message, self.controller))
+            and all(same_run(m.header, self.bus.run) for m in (message, self.controller))
         )
 
     def _reply(self, event: Event, request: Request, message: Received) -> None:
@@ -156,7 +163,7 @@ class Supervisor:
         if not below_gate(self.config, self.about):
             return f"force limit, bias and noise do not stay below the gate's {self.about.gate_force_limit_n:g} N"
         for name, header in (("plant", message.header), ("controller", self.controller.header)):
-            if header.experiment != self.bus.run.experiment or header.run != self.bus.run.run:
+            if not same_run(header, self.bus.run):
                 return f"the {name} has another experiment or run loaded: load again"
         return "not every service agrees yet: try again"
 
@@ -224,11 +231,7 @@ class Supervisor:
             "force_bias_n": self.memory.watch.bias.mean_n,
             "experiment": self.bus.run.experiment.hex(),
             "run": self.bus.run.run,
-            "discarded": {
-                "plant/sample": dict(self.samples.acceptance.discarded),
-                "controller/state": dict(self.states.acceptance.discarded),
-            },
-            "lost": {"plant/sample": self.samples.acceptance.lost, "controller/state": self.states.acceptance.lost},
+            "reception": told(self._inboxes),
         }
 
 
