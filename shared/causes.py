@@ -1,0 +1,166 @@
+"""What is said of each cause of a trip or a cut: what happened with its numbers, what must hold, what to do.
+
+The supervisor's rows (services/supervisor/rules.py) judge; this table speaks, for those who only hear a message. Numbers are
+those of the message: of a trip its permit's, of a cut the gate's event's.
+"""
+
+from typing import NamedTuple
+
+from shared.messages import GateCause, TripCause
+
+
+class Cause(NamedTuple):
+    """Words for people; `happened` is filled with `measured` and `limit`."""
+
+    happened: str
+    holds: str
+    remedy: str
+
+
+_UNLOAD = "`hydrohil recover` lowers it with the gate's consent, then `hydrohil reset`"
+_GAUGE = "check gauge, cable and amplifier; a reading that is not valid is never taken for zero; then `hydrohil reset`"
+_TRANSPORT = "see the ages and counters: who was late or silent; then `hydrohil reset`"
+_ANEW = "find out who said so; then `hydrohil reset`, and arm again"
+
+TRIPS: dict[TripCause, Cause] = {
+    TripCause.ESTOP: Cause(
+        "the operator pressed the emergency stop",
+        "no emergency stop is pressed, at the gate or at the supervisor",
+        "when the reason is gone: `hydrohil reset` (it releases gate and supervisor)",
+    ),
+    TripCause.FORCE_INVALID: Cause(
+        "the force reading was {measured:.0f} counts, outside its valid range that ends at {limit:.0f}",
+        "the force reading lies inside the gauge's range and is not saturated",
+        _GAUGE,
+    ),
+    TripCause.FORCE_RAW: Cause(
+        "the raw force reached {measured:.1f} N against its limit of {limit:.1f} N",
+        "the force as read, with its bias, is at most the raw limit, either sign",
+        _UNLOAD,
+    ),
+    TripCause.FORCE_TARED: Cause(
+        "the contact force reached {measured:.1f} N against its limit of {limit:.1f} N",
+        "the force without its bias is at most the force limit, either sign",
+        _UNLOAD,
+    ),
+    TripCause.BIAS: Cause(
+        "the force bias, or its spread, was {measured:.1f} N against its limit of {limit:.1f} N",
+        "before motion starts the gauge's bias is small and steady",
+        "free the tool from contact, let it come to rest; then `hydrohil reset`",
+    ),
+    TripCause.JOINT_LIMIT: Cause(
+        "a joint reached {measured:.4g} rad (link 3: m) against its limit of {limit:.4g}",
+        "every joint lies inside its range",
+        _UNLOAD,
+    ),
+    TripCause.WORKSPACE: Cause(
+        "the tip reached {measured:.4g} m against its limit of {limit:.4g} m on one axis",
+        "the tip lies inside the workspace",
+        "move it back (another experiment, or by hand with the supply off); then `hydrohil reset`",
+    ),
+    TripCause.SAMPLE_LOST: Cause(
+        "{measured:.0f} samples were lost in a row against at most {limit:.0f} (below 0: the plant started anew)",
+        "no more samples in a row are lost than a lease holds",
+        _TRANSPORT,
+    ),
+    TripCause.SAMPLE_STALE: Cause(
+        "no sample came for {measured:.4g} s against a lease of {limit:.4g} s",
+        "the plant's samples come, each within a lease of the last",
+        "see whether the plant lives (`hydrohil status`); then `hydrohil reset`",
+    ),
+    TripCause.COMMAND_STALE: Cause(
+        "the command in force answered a sample {measured:.0f} samples back against at most {limit:.0f}",
+        "the controller's commands advance with the samples",
+        "see whether the controller lives (`hydrohil status`); then `hydrohil reset`",
+    ),
+    TripCause.GATE_CUT: Cause(
+        "the gate cut by itself",
+        "the gate has not cut",
+        "the gate's own cause decides; then `hydrohil reset`",
+    ),
+    TripCause.NOT_READY: Cause(
+        "the controller was not ready when motion was to start",
+        "the controller's buffers are full and its reference starts within 2 counts of the pose",
+        "start the reference at the pose; then `hydrohil reset`",
+    ),
+}
+CUTS: dict[GateCause, Cause] = {
+    GateCause.NO_PERMIT: Cause("there was no permit", "a permit with an arming is held", "arm: `hydrohil run NAME`"),
+    GateCause.NOT_RUNNING: Cause(
+        "the permit no longer said that the trial runs",
+        "the permit's mode is RUNNING from tick 0 on, or RECOVER",
+        "the supervisor decides: see its cause",
+    ),
+    GateCause.BURNED_ARMING: Cause(
+        "the arming was burned by an earlier cut", "the permit's arming was never cut", "`hydrohil reset`, and arm again"
+    ),
+    GateCause.PERMIT_STALE: Cause(
+        "the permit was {measured:.4g} s old against a lease of {limit:.4g} s",
+        "the permit's sample is at most a lease old, by the plant's own clock",
+        "see whether the supervisor lives (`hydrohil status`); then `hydrohil reset`",
+    ),
+    GateCause.NO_COMMAND: Cause("there was no command", "a command is held", "start the controller; then arm again"),
+    GateCause.COMMAND_STALE: Cause(
+        "the command was {measured:.4g} s old against a lease of {limit:.4g} s",
+        "the command's sample is at most a lease old, by the plant's own clock",
+        "see whether the controller lives (`hydrohil status`); then `hydrohil reset`",
+    ),
+    GateCause.OTHER_ARMING: Cause(
+        "permit and command were of different armings", "permit, command and gate carry one arming", _ANEW
+    ),
+    GateCause.EPOCH_CHANGED: Cause(
+        "controller or supervisor was restarted, or there were two",
+        "both senders are those that were bound when the gate opened",
+        _ANEW,
+    ),
+    GateCause.IMPOSSIBLE_ECHO: Cause(
+        "a permit or command named a sample that the plant never sent", "every echo is in the plant's ledger", _ANEW
+    ),
+    GateCause.OUT_OF_RANGE: Cause(
+        "a code of the command was outside the converter's range", "every code lies in the converter's range", _ANEW
+    ),
+    GateCause.BEYOND_SLEW: Cause(
+        "a code of the command was beyond the slew limit",
+        "no code is further from the last accepted one than the slew limit",
+        "check the controller's law; then `hydrohil reset`",
+    ),
+    GateCause.FORCE_INVALID: Cause(
+        "the force reading was {measured:.0f} counts, outside its valid range that ends at {limit:.0f}",
+        "the force reading lies inside the gauge's range and is not saturated",
+        _GAUGE,
+    ),
+    GateCause.FORCE_ABOVE_LIMIT: Cause(
+        "the raw force reached {measured:.1f} N against the gate's own limit of {limit:.1f} N",
+        "the raw force is at most the gate's own limit",
+        _UNLOAD,
+    ),
+    GateCause.NOT_UNLOADING: Cause(
+        "a command of RECOVER did not unload", "in RECOVER only the unloading sign moves, at low current", _ANEW
+    ),
+    GateCause.ESTOP: Cause(
+        "the operator pressed the emergency stop",
+        "no emergency stop is pressed at the gate",
+        "when the reason is gone: `hydrohil reset`",
+    ),
+    GateCause.OVERSLEPT: Cause(
+        "the plant itself stood still for longer than the lease",
+        "the plant wakes within a lease of its grid",
+        "free this host, or give a longer lease (`--permit-ttl-ms`); then `hydrohil reset`",
+    ),
+}
+
+
+def trip_happened(cause: TripCause, measured: float, limit: float) -> str:
+    """What tripped, with its numbers; a cause without a row is told by its name."""
+    return _told(TRIPS.get(cause), cause.name, measured, limit)
+
+
+def cut_happened(cause: GateCause, measured: float, limit: float) -> str:
+    """What the gate cut for, with its numbers; a cause without a row is told by its name."""
+    return _told(CUTS.get(cause), cause.name, measured, limit)
+
+
+def _told(row: Cause | None, name: str, measured: float, limit: float) -> str:
+    if row is None:
+        return f"{name.lower().replace('_', ' ')}: {measured:.4g} against {limit:.4g}"
+    return row.happened.format(measured=measured, limit=limit)
