@@ -117,10 +117,12 @@ CUTS: dict[GateCause, Cause] = {
         "a permit or command named a sample that the plant never sent", "every echo is in the plant's ledger", _ANEW
     ),
     GateCause.OUT_OF_RANGE: Cause(
-        "a code of the command was outside the converter's range", "every code lies in the converter's range", _ANEW
+        "a code of the command was {measured:.0f}, outside the converter's range that ends at {limit:.0f}",
+        "every code lies in the converter's range",
+        _ANEW,
     ),
     GateCause.BEYOND_SLEW: Cause(
-        "a code of the command was beyond the slew limit",
+        "a code of the command stepped by {measured:.0f} against a slew limit of {limit:.0f}",
         "no code is further from the last accepted one than the slew limit",
         "check the controller's law; then `hydrohil reset`",
     ),
@@ -135,7 +137,9 @@ CUTS: dict[GateCause, Cause] = {
         _UNLOAD,
     ),
     GateCause.NOT_UNLOADING: Cause(
-        "a command of RECOVER did not unload", "in RECOVER only the unloading sign moves, at low current", _ANEW
+        "a code of RECOVER was {measured:.0f}, beyond {limit:.0f}: it did not unload, or was too large",
+        "in RECOVER only the unloading sign moves, at low current",
+        _ANEW,
     ),
     GateCause.ESTOP: Cause(
         "the operator pressed the emergency stop",
@@ -146,6 +150,16 @@ CUTS: dict[GateCause, Cause] = {
         "the plant itself stood still for longer than the lease",
         "the plant wakes within a lease of its grid",
         "free this host, or give a longer lease (`--permit-ttl-ms`); then `hydrohil reset`",
+    ),
+    GateCause.LINK_FAULTS: Cause(
+        "{measured:.0f} frames of a bound sender came corrupt, again or late within a second, against at most {limit:.0f}",
+        "at most one frame a second of a bound sender is corrupt, repeated or out of order",
+        "see the counters: which link, and which fault; then `hydrohil reset`",
+    ),
+    GateCause.TWO_PUBLISHERS: Cause(
+        "{measured:.0f} frames within a second came from a second controller or supervisor, against at most {limit:.0f}",
+        "there is one controller and one supervisor",
+        "end the other one; then `hydrohil reset`, and arm again",
     ),
 }
 

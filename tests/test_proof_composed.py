@@ -13,13 +13,14 @@ from supervisor_scene import ABOUT, LEVEL, PARAMS, asked, sample
 from services.plant.config import GateLimits
 from services.plant.gate import CommandSeen, GateInput, GateMemory, PermitSeen, gate_step
 from services.supervisor.modes import Event
+from services.supervisor.observe import Heard, observe_step
 from services.supervisor.rules import first_broken
-from services.supervisor.step import SupervisorMemory, observe, supervisor_step
+from services.supervisor.step import SupervisorMemory, supervisor_step
 from shared.messages import NO_COMMAND, NO_TRIAL, GateState, Mode
 
 LIMITS = GateLimits()
 ZERO = (2048, 2048, 2048)
-NOW = PARAMS._replace(bias_ticks=0, lead_samples=1, recover_samples=1)
+NOW = PARAMS._replace(observing=PARAMS.observing._replace(bias_ticks=0), lead_samples=1, recover_samples=1)
 BEYOND = (LEVEL[0], round((0.6 - ABOUT.encoders[1].offset) / ABOUT.encoders[1].scale), *LEVEL[2:])  # link 2 past its 27 deg
 
 
@@ -67,19 +68,26 @@ def judged(seen, memory, arming, permit, flags):
     codes = tuple(2048 + 12 * (sign if unloads else 1) for sign in permit.recover_signs)
     of_permit = PermitSeen(True, arming, 1, permit.mode, 4_000_000, permit.recover_signs)
     command = CommandSeen(not flags.controller, arming, 2, 4_000_000, seen.number, codes)
-    force_n = seen.force_counts * PARAMS.calibration.force_n_per_count
+    force_n = seen.force_counts * PARAMS.observing.calibration.force_n_per_count
     return gate_step(
-        memory, LIMITS, GateInput(of_permit, command, seen.force_counts, force_n, seen.tick, flags.pressed, False), True
+        memory, LIMITS, GateInput(of_permit, command, seen.force_counts, force_n, seen.tick, flags.pressed, False, 0, 0), True
     )
+
+
+def judged_by_rules(memory, seen, wanted):
+    heard = Heard(memory.mode == Mode.RUNNING, wanted.stale_ns, wanted.controller_ready)
+    return observe_step(memory.watch, NOW.observing, seen, heard)[1]
 
 
 def stepped(state, number, flags, event):
     """Both memories after one sample, what was seen, and what the rules say of it."""
     if flags.lost:
-        state = state._replace(supervisor=state.supervisor._replace(last_number=number - 10))
+        state = state._replace(
+            supervisor=state.supervisor._replace(watch=state.supervisor.watch._replace(last_number=number - 10))
+        )
     seen = sampled(state[:2], number, flags)
     wanted = asked(event, new_arming=number, agreed=not flags.disagreed, controller_ready=not flags.controller)
-    broken = first_broken(observe(state.supervisor, NOW, seen, wanted), NOW.limits)[0]
+    broken = first_broken(judged_by_rules(state.supervisor, seen, wanted), NOW.limits)[0]
     supervisor, permit = supervisor_step(state.supervisor, NOW, seen, wanted)
     return supervisor, judged(seen, state.gate, supervisor.arming, permit, flags), seen, broken
 

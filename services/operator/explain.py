@@ -12,9 +12,10 @@ from services.plant.config import GateLimits, PlantConfig
 from services.plant.gate import CommandSeen, GateInput, GateMemory, PermitSeen, gate_step
 from services.supervisor.config import SupervisorConfig
 from services.supervisor.modes import Event, Facts, next_mode
+from services.supervisor.observe import Heard, Watch, observe_step
 from services.supervisor.params import supervisor_params
-from services.supervisor.rules import RULES, Limits, Observed, Rule, fold
-from services.supervisor.step import Asked, SupervisorMemory, observe
+from services.supervisor.rule import Limits, Observed, Rule
+from services.supervisor.rules import RULES, fold
 from shared.converters import ZERO_CODE
 from shared.messages import NO_TRIAL, GateCause, GateState, Mode, Sample, TripCause
 
@@ -56,6 +57,8 @@ CONDITIONS: dict[GateCause, Callable[[GateInput, GateMemory], GateInput]] = {  #
     GateCause.NOT_UNLOADING: _command(codes=(ZERO_CODE, ZERO_CODE + 12, ZERO_CODE)),
     GateCause.ESTOP: lambda seen, _: seen._replace(estop=True),
     GateCause.OVERSLEPT: lambda seen, _: seen._replace(overslept=True),
+    GateCause.LINK_FAULTS: lambda seen, _: seen._replace(link_faults=LIMITS.faults_per_s + 1),
+    GateCause.TWO_PUBLISHERS: lambda seen, _: seen._replace(rivals=LIMITS.faults_per_s + 1),
 }
 
 
@@ -144,7 +147,7 @@ def gate_input(scene: Scene) -> GateInput:
     recovers = scene.mode == Mode.RECOVER
     permit = PermitSeen(True, scene.arming, _SUPERVISOR, int(scene.mode), _AGE_NS, _LOADS if recovers else (0, 0, 0))
     command = CommandSeen(True, scene.arming, _CONTROLLER, _AGE_NS, 0, _UNLOADS if recovers else _RUNS)
-    seen = GateInput(permit, command, 10, 13.5, 0, False, False)
+    seen = GateInput(permit, command, 10, 13.5, 0, False, False, 0, 0)
     for cause in sorted(scene.conditions):
         seen = CONDITIONS[cause](seen, scene.gate)
     return seen
@@ -192,4 +195,4 @@ def _at_rest() -> tuple[Observed, Limits]:
     params = supervisor_params(SupervisorConfig(), described, 0, 0)
     counts = tuple(round((0.0 - c.offset) / c.scale) for c in described.encoders)
     sample = Sample(1, 0, NO_TRIAL, 0, counts, 10, ZERO, 0, 0, 0, (0, 0, 0), 0, 0, 0)
-    return observe(SupervisorMemory(), params, sample, Asked(int(Event.NOTHING), 0, True, True, 0)), params.limits
+    return observe_step(Watch(), params.observing, sample, Heard(False, 0, True))[1], params.limits
