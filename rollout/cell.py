@@ -11,8 +11,9 @@ from services.plant.config import GateLimits
 from services.plant.gate import CommandSeen, GateInput, GateMemory, PermitSeen, gate_step
 from services.plant.machine import MachineState, advance, sense, truth
 from services.plant.params import ContactParams, MachineParams
+from services.supervisor.answers import Answers
 from services.supervisor.modes import NOTHING, RUNNING
-from services.supervisor.observe import Bias, Watch
+from services.supervisor.observe import Bias, Links, Watch
 from services.supervisor.step import Asked, SupervisorMemory, SupervisorParams, supervisor_step
 from shared.kernel import kernel
 from shared.messages import ControllerState, Permit, Sample, Truth
@@ -163,7 +164,9 @@ def play(
 ) -> tuple[SupervisorMemory, GateMemory, int]:
     """Run every tick; returns the supervisor's and the gate's last state and the number of rows written."""
     state, gate = setup.start, GateMemory(0, 1, (2048, 2048, 2048), -1, 0, 0, 0, 0, (0,) * 16, (0, 0, 0))
-    watch = SupervisorMemory(RUNNING, _ARMING, 0, 0.0, 0.0, -1, 0, 0, 0, (0, 0, 0), Watch(-1, Bias(0.0, 0.0, 0.0, 0.0, 0)))
+    watch = SupervisorMemory(
+        RUNNING, _ARMING, 0, 0.0, 0.0, -1, 0, 0, 0, (0, 0, 0), Watch(-1, Bias(0.0, 0.0, 0.0, 0.0, 0), Answers(0, 0, 0, 0))
+    )
     time_ns = 0
     trial_time_ns = 0
     for i in range(-setup.first_tick):
@@ -174,7 +177,7 @@ def play(
         sample = sample_of(setup, gate, counts, i, time_ns, trial_time_ns)
         seen = truth(state, setup.machine, setup.contact, i, sample.tick)
         memory, codes, thought = control_step(memory, setup.control, table, sample)
-        watch, permit = supervisor_step(watch, setup.supervise, sample, Asked(NOTHING, 0, True, ready, 0))
+        watch, permit = supervisor_step(watch, setup.supervise, sample, Asked(NOTHING, 0, True, ready, 0, Links(0, 0, 0)))
         ready = thought.ready == 1
         write_row(out, i, sample, codes, thought, permit, seen)
         state = advance(state, setup.machine, setup.contact, gate.codes, setup.latch_substeps)

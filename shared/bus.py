@@ -19,7 +19,7 @@ import zenoh
 from shared.acceptance import Acceptance
 from shared.codec import WIRE_VERSION, Header, Received, Rejected, decode, encode
 from shared.messages import NO_COMMAND, Answer, Ask
-from shared.protection import ProtectionLimits, Watch
+from shared.protection import Protection, ProtectionLimits
 from shared.topics import ANSWER, ASK, BY_KEY, Topic, expression
 
 LISTENERS = ("plant", "controller", "supervisor", "recorder")  # offset from the cell's first port
@@ -62,7 +62,7 @@ class Inbox:
         """An empty ring of `depth` frames."""
         self.topic, self.cell = topic, cell
         self.acceptance = Acceptance()
-        self.watch = Watch(self.acceptance, ProtectionLimits())
+        self.protection = Protection(self.acceptance, ProtectionLimits())
         self._key = expression(cell, topic.key)
         self._ring: deque[tuple[int, bytes]] = deque(maxlen=depth)
         self._wake = wake

@@ -73,6 +73,26 @@ TRIPS: dict[TripCause, Cause] = {
         "the controller's commands advance with the samples",
         "see whether the controller lives (`hydrohil status`); then `hydrohil reset`",
     ),
+    TripCause.LINK_FAULTS: Cause(
+        "{measured:.0f} frames of the plant or the controller came corrupt, again or late in a second, against {limit:.0f}",
+        "at most one frame a second of a bound sender is corrupt, repeated or out of order",
+        "see the counters: which link, and which fault; then `hydrohil reset`",
+    ),
+    TripCause.TWO_PUBLISHERS: Cause(
+        "{measured:.0f} frames in a second came from a second plant or controller, or one started anew, against {limit:.0f}",
+        "there is one plant and one controller, and neither starts anew while the machine moves",
+        "end the other one; then `hydrohil reset`, and arm again",
+    ),
+    TripCause.OTHER_RUN: Cause(
+        "{measured:.0f} frames of the plant or the controller belonged to another run or experiment than the permit",
+        "every sample and every state of a running trial carries the permit's run and experiment",
+        "load again: `hydrohil run NAME`; a service that was restarted has nothing loaded",
+    ),
+    TripCause.QUALITY: Cause(
+        "a share of {measured:.2f} of the last 100 samples was answered in time, against at least {limit:.2f}",
+        "of the last 100 samples no more stay unanswered than one outage of a lease and a link that loses 1 % explain",
+        _TRANSPORT,
+    ),
     TripCause.GATE_CUT: Cause(
         "the gate cut by itself",
         "the gate has not cut",

@@ -76,9 +76,13 @@ class TripCause(IntEnum):
     WORKSPACE = 7
     SAMPLE_LOST = 8
     SAMPLE_STALE = 9
-    COMMAND_STALE = 10
-    GATE_CUT = 11
-    NOT_READY = 12
+    LINK_FAULTS = 10
+    TWO_PUBLISHERS = 11
+    OTHER_RUN = 12
+    COMMAND_STALE = 13
+    QUALITY = 14
+    GATE_CUT = 15
+    NOT_READY = 16
 
 
 class Channel(NamedTuple):

@@ -41,7 +41,7 @@ class LinkSeen(NamedTuple):
     rivals: int
 
 
-class Watch:
+class Protection:
     """The faults and rivals of one inbox, by the clock of whoever drains it."""
 
     def __init__(self, acceptance: Acceptance, limits: ProtectionLimits) -> None:

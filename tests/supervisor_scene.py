@@ -4,7 +4,7 @@ from services.plant.about import about
 from services.plant.config import GateLimits, PlantConfig
 from services.supervisor.config import SupervisorConfig
 from services.supervisor.modes import NOTHING, RUNNING
-from services.supervisor.observe import Bias, Watch
+from services.supervisor.observe import Bias, Links, Watch
 from services.supervisor.params import supervisor_params
 from services.supervisor.rule import GaugeSeen, MotionSeen, Observed, TransportSeen
 from services.supervisor.step import Asked, SupervisorMemory, supervisor_step
@@ -24,7 +24,7 @@ FINE = Observed(
     5,
     GaugeSeen(counts=10, raw_n=13.5, tared_n=1.0, bias_n=12.5, bias_spread_n=4.0),
     MotionSeen(q_rad=(0.0, 0.0, 0.2), tip_m=(0.6, 0.0, 0.1)),
-    TransportSeen(lost_samples=0, stale_ns=0, command_lag=1, gate=1, ready=True),
+    TransportSeen(lost_samples=0, stale_ns=0, command_lag=1, gate=1, ready=True, link_faults=0, rivals=0, other_run=0, missed=0),
 )
 
 
@@ -42,7 +42,7 @@ def sample(number, tick=NO_TRIAL, **changes):
 
 
 def asked(event=NOTHING, **changes):
-    return Asked(int(event), 4711, True, True, 0)._replace(**changes)
+    return Asked(int(event), 4711, True, True, 0, Links(0, 0, 0))._replace(**changes)
 
 
 def step(memory, seen, wanted=None, params=PARAMS):

@@ -75,7 +75,7 @@ def judged(seen, memory, arming, permit, flags):
 
 
 def judged_by_rules(memory, seen, wanted):
-    heard = Heard(memory.mode == Mode.RUNNING, wanted.stale_ns, wanted.controller_ready)
+    heard = Heard(memory.mode == Mode.RUNNING, wanted.stale_ns, wanted.controller_ready, wanted.links)
     return observe_step(memory.watch, NOW.observing, seen, heard)[1]
 
 

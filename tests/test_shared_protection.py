@@ -4,7 +4,7 @@ from wire_scene import command_body, header
 
 from shared.acceptance import Acceptance
 from shared.codec import Received, Rejected
-from shared.protection import LinkSeen, ProtectionLimits, ProtectionMemory, Watch, protection_step, worst
+from shared.protection import LinkSeen, Protection, ProtectionLimits, ProtectionMemory, protection_step, worst
 
 SECOND = 1_000_000_000
 LIMITS = ProtectionLimits()
@@ -62,7 +62,7 @@ def test_as_many_are_seen_as_came_within_the_second_up_to_eight(steps):
 
 def test_a_watch_tells_each_fault_once_and_for_a_second():
     acceptance = Acceptance()
-    watch = Watch(acceptance, LIMITS)
+    watch = Protection(acceptance, LIMITS)
     assert watch.look(0) == (0, 0)
     for message in (frame(0), frame(0), frame(1), corrupt(), corrupt()):
         acceptance.take(message)

@@ -4,11 +4,13 @@ from hypothesis import given
 from hypothesis import strategies as st
 from supervisor_scene import BIAS, N_PER_COUNT, PARAMS, sample
 
-from services.supervisor.observe import Bias, Heard, Watch, bias_anew, observe_step
+from services.supervisor.answers import Answers
+from services.supervisor.observe import Bias, Heard, Links, Watch, answered_in_time, bias_anew, observe_step
 from shared.messages import NO_TRIAL
 
 OBSERVING = PARAMS.observing
-RUNNING = Heard(True, 0, True)
+NO_LINKS = Links(0, 0, 0)
+RUNNING = Heard(True, 0, True, NO_LINKS)
 
 
 def observe(watch, seen, heard=RUNNING):
@@ -72,3 +74,35 @@ def test_samples_between_are_counted_and_a_plant_that_starts_anew_is_seen():
         assert not observe(Watch(number), sample(50, NO_TRIAL), RUNNING._replace(stale_ns=1))[1].moving
         assert not observe(Watch(number), sample(50, NO_TRIAL), RUNNING._replace(running=False))[1].moving
     assert observe(Watch(46), sample(50, 5), RUNNING._replace(stale_ns=1))[1].transport.lost_samples == 0
+
+
+def test_an_answer_is_in_time_if_it_was_in_force_at_the_latch_of_its_sample():
+    assert answered_in_time(sample(50, 5, command_number=49))
+    assert not answered_in_time(sample(50, 5, command_number=48))
+    assert not answered_in_time(sample(50, 5, command_number=50))
+    assert not answered_in_time(sample(50, 5, command_number=49, command_late_substeps=1))
+
+
+def test_answers_are_counted_from_tick_one_of_a_trial_that_runs():
+    late = {"command_number": 0}
+    for tick, missed in ((NO_TRIAL, 0), (-1, 0), (0, 0), (1, 1), (7, 1)):
+        assert observe(Watch(49), sample(50, tick, **late))[1].transport.missed == missed
+    before = Watch(49, answers=Answers(1, 0, 1, 1))
+    assert observe(before, sample(50, 5))[0].answers == Answers(2, 0, 1, 0)
+    assert observe(before, sample(50, 0))[0].answers == Answers()
+    assert observe(before, sample(50, 5), RUNNING._replace(running=False))[0].answers == Answers()
+    assert bias_anew(before).answers == Answers()
+
+
+def test_absence_leaves_the_answers_alone_and_a_lost_sample_counts_as_not_answered():
+    before = Watch(49, answers=Answers(1, 0, 1, 1))
+    assert observe(before, sample(49, 5, command_number=0), RUNNING._replace(stale_ns=1))[0].answers == before.answers
+    watch, seen = observe(before, sample(52, 7))
+    assert (watch.answers.missed, seen.transport.missed) == (3, 3)
+
+
+def test_frames_of_another_run_matter_to_a_trial_that_runs():
+    heard = RUNNING._replace(links=Links(1, 2, 3))
+    seen = observe(Watch(49), sample(50, -3), heard)[1].transport
+    assert (seen.link_faults, seen.rivals, seen.other_run) == (1, 2, 3)
+    assert observe(Watch(49), sample(50, -3), heard._replace(running=False))[1].transport.other_run == 0

@@ -3,8 +3,10 @@ import math
 import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
+from scipy import stats
 from supervisor_scene import CONFIG, FINE, LIMITS, changed
 
+from services.supervisor.params import RANDOM_MISSES
 from services.supervisor.rule import GaugeSeen, Limits, MotionSeen, Observed, TransportSeen
 from services.supervisor.rules import RULES, WORDS, first_broken, fold
 from shared.kernel import compiled
@@ -46,6 +48,10 @@ AT_LIMIT = [
     {"command_lag": 5},
     {"command_lag": 0},
     {"command_lag": 99, "tick": 0},
+    {"link_faults": 1},
+    {"rivals": 0},
+    {"rivals": 1, "moving": False},
+    {"missed": 21},
     {"gate": int(GateState.OPEN)},
     {"gate": int(GateState.SHUT)},
     {"gate": int(GateState.RECOVERING)},
@@ -77,9 +83,13 @@ PAST = [  # what is seen, the cause, the number that broke, the limit it broke
     ({"lost_samples": 5}, TripCause.SAMPLE_LOST, 5.0, 4.0),
     ({"lost_samples": -1}, TripCause.SAMPLE_LOST, -1.0, 0.0),
     ({"stale_ns": 20_000_001}, TripCause.SAMPLE_STALE, 20_000_001e-9, 0.02),
+    ({"link_faults": 2}, TripCause.LINK_FAULTS, 2.0, 1.0),
+    ({"rivals": 2}, TripCause.TWO_PUBLISHERS, 2.0, 0.0),
+    ({"other_run": 1}, TripCause.OTHER_RUN, 1.0, 0.0),
     ({"command_lag": 6}, TripCause.COMMAND_STALE, 6.0, 5.0),
     ({"command_lag": 6, "tick": 1}, TripCause.COMMAND_STALE, 6.0, 5.0),
     ({"command_lag": -1}, TripCause.COMMAND_STALE, -1.0, 0.0),
+    ({"missed": 22}, TripCause.QUALITY, 0.78, 0.79),
     ({"gate": int(GateState.BURNED)}, TripCause.GATE_CUT, float(GateState.BURNED), float(GateState.OPEN)),
     ({"ready": False}, TripCause.NOT_READY, 0.0, 1.0),
 ]
@@ -100,6 +110,7 @@ def test_nothing_is_broken_when_all_holds():
 def test_the_limits_of_the_transport_are_leases_in_whole_samples():
     assert (LIMITS.min_force_counts, LIMITS.max_force_counts) == (0, 518)
     assert (LIMITS.lease_samples, LIMITS.lease_ns) == (4, 20_000_000)
+    assert (LIMITS.missed_samples, LIMITS.faults_per_s) == (4 + 1 + 16, 1)
 
 
 @pytest.mark.parametrize("changes", AT_LIMIT, ids=str)
@@ -152,7 +163,7 @@ def test_every_row_alone_is_folded_to_itself():
 
 ANY_FLOAT = st.floats() | st.sampled_from([0.0, RAW, TARED, 60.0, 15.0, -2.0, 2.0])
 TRIPLES = st.tuples(ANY_FLOAT, ANY_FLOAT, ANY_FLOAT)
-INTS = st.integers(-10, 600)
+INTS, FEW = st.integers(-10, 600), st.integers(0, 3)
 SEEN = st.builds(
     Observed,
     st.booleans(),
@@ -160,7 +171,7 @@ SEEN = st.builds(
     INTS,
     st.builds(GaugeSeen, INTS, ANY_FLOAT, ANY_FLOAT, ANY_FLOAT, ANY_FLOAT),
     st.builds(MotionSeen, TRIPLES | st.just(FINE.motion.q_rad), TRIPLES | st.just(FINE.motion.tip_m)),
-    st.builds(TransportSeen, INTS, st.integers(0, 30_000_000), INTS, st.integers(0, 3), st.booleans()),
+    st.builds(TransportSeen, INTS, st.integers(0, 30_000_000), INTS, FEW, st.booleans(), FEW, FEW, FEW, st.integers(0, 100)),
 )
 
 
@@ -204,3 +215,19 @@ def test_limits_that_cross_let_nothing_pass_and_tell_the_bound_that_broke():
     assert first_broken(changed(FINE, moving=True, lost_samples=0, command_lag=0), LIMITS) == (0, 0.0, 0.0)
     stale = next(rule for rule in RULES if rule.cause == TripCause.COMMAND_STALE)
     assert stale.limit(changed(FINE, command_lag=0), LIMITS) == 5.0
+
+
+def test_at_rest_a_service_may_start_anew_and_in_motion_nobody_may():
+    anew = changed(FINE, rivals=1)
+    assert first_broken(anew, LIMITS) == (TripCause.TWO_PUBLISHERS, 1.0, 0.0)
+    assert first_broken(changed(anew, moving=False), LIMITS) == (0, 0.0, 0.0)
+    assert first_broken(changed(anew, moving=False, rivals=2), LIMITS) == (TripCause.TWO_PUBLISHERS, 2.0, 1.0)
+
+
+@pytest.mark.parametrize(("loss", "trips"), [(0.01, False), (0.2, True)])
+def test_a_link_that_loses_one_in_a_hundred_runs_and_one_that_loses_one_in_five_does_not(loss, trips):
+    missed = 1.0 - (1.0 - loss) ** 3  # sample to controller, command to plant, next sample to supervisor
+    above_floor = stats.binom.sf(LIMITS.missed_samples, 100, missed)
+    assert (above_floor > 0.999) if trips else (above_floor < 1e-12)
+    without_outage = stats.binom.sf(RANDOM_MISSES, 100, missed)
+    assert trips or without_outage < 1e-8

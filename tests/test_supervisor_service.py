@@ -4,14 +4,16 @@ import json
 
 import pytest
 from supervisor_scene import ABOUT, sample
-from wire_scene import FakeBus, header
+from wire_scene import FakeBus, header, state_body
 
 from services.supervisor import service
+from services.supervisor.answers import Answers
+from services.supervisor.observe import Watch
 from services.supervisor.service import Supervisor
 from shared.bus import Request
 from shared.codec import Received
 from shared.envelope import seal
-from shared.messages import Mode
+from shared.messages import Mode, TripCause
 
 
 class Scene:
@@ -162,3 +164,95 @@ def test_what_came_is_told_once_a_second_and_at_a_trip():
     told = scene.bus.of("supervisor/reception")[-1]
     assert told.number == scene.number
     assert [inbox.topic for inbox in told.inboxes] == ["plant/sample", "controller/state", "plant/about"]
+
+
+class Linked(Scene):
+    """The same, with frames in its inboxes instead of messages put in place."""
+
+    def step(self, *, samples=1, sample_epoch=31, state_epoch=22, state_run=None):
+        run = self.bus.run
+        for _ in range(samples):
+            self.number += 1
+            ours = {"run": run.run, "experiment": run.experiment}
+            head = header("plant/sample", self.number, epoch=sample_epoch, **ours)
+            state = header("controller/state", self.number, epoch=state_epoch, **(ours | (state_run or {})))
+            self.bus.send("controller/state", state, state_body(self.number))
+            self.bus.send("plant/sample", head, sample(self.number))
+        self.supervisor.step()
+        return self.supervisor.memory
+
+    def started(self):
+        self.step()
+        self.commit(self.load()[2])
+        self.step()
+        for verb in ("arm", "start"):
+            self.supervisor._serve(Request(verb, {}, lambda *answer: None))
+            self.step()
+        assert self.supervisor.memory.mode == Mode.RUNNING
+        return self
+
+    def again(self, key):
+        """The last frame once more."""
+        ours = {"run": self.bus.run.run, "experiment": self.bus.run.experiment}
+        body = sample(self.number) if key == "plant/sample" else state_body(self.number)
+        self.bus.send(key, header(key, self.number, **ours), body)
+
+
+@pytest.mark.parametrize("key", ["plant/sample", "controller/state"])
+def test_one_frame_that_comes_again_is_survived_and_a_second_one_within_a_second_trips(key):
+    scene = Linked().started()
+    scene.again(key)
+    assert scene.step().mode == Mode.RUNNING
+    scene.again(key)
+    memory = scene.step()
+    assert (memory.mode, memory.cause, memory.measured, memory.limit) == (Mode.TRIPPED, TripCause.LINK_FAULTS, 2.0, 1.0)
+
+
+@pytest.mark.parametrize("epoch", [{"sample_epoch": 99}, {"state_epoch": 99}])
+def test_two_publishers_on_a_topic_trip_a_trial_and_refuse_arming(epoch):
+    scene = Linked().started()
+    scene.step(**epoch)
+    scene.step()
+    memory = scene.step(**epoch)
+    assert (memory.mode, memory.cause) == (Mode.TRIPPED, TripCause.TWO_PUBLISHERS)
+    assert not scene.ask("reset")[0]
+    assert scene.supervisor.memory.mode == Mode.TRIPPED
+
+
+@pytest.mark.parametrize("changes", [{"run": 8}, {"experiment": b"another"}])
+def test_a_controller_of_another_run_or_experiment_trips_even_before_anything_moves(changes):
+    scene = Linked().started()
+    assert scene.step(state_run=changes).cause == TripCause.OTHER_RUN
+    assert scene.supervisor.states.acceptance.other_run == 1
+
+
+def test_a_single_state_of_another_run_between_two_samples_is_not_overlooked():
+    scene = Linked().started()
+    for run in (8, scene.bus.run.run):
+        scene.number += 1
+        head = header("controller/state", scene.number, run=run, experiment=scene.bus.run.experiment)
+        scene.bus.send("controller/state", head, state_body(scene.number))
+    assert scene.step().cause == TripCause.OTHER_RUN
+
+
+def test_in_lockstep_a_second_is_a_second_of_samples():
+    scene = Linked()
+    scene.step()
+    text = seal({}, run=7, seed=1, clock="lockstep", bias_ticks=8, duration_ticks=100)
+    scene.commit(scene.ask("load", envelope=text)[2])
+    scene.again("plant/sample")
+    scene.step()
+    scene.step(samples=221)
+    scene.again("plant/sample")
+    scene.step()
+    assert scene.supervisor.samples.protection.look(scene.number * 4_500_000).faults == 2
+    scene.step(samples=2)
+    assert scene.supervisor.samples.protection.look(scene.number * 4_500_000).faults == 1
+
+
+def test_answers_that_are_not_in_time_are_told_in_the_status():
+    scene = Scene()
+    scene.supervisor.memory = scene.supervisor.memory._replace(watch=Watch(answers=Answers(0b11110, 0, 4, 3)))
+    assert (scene.supervisor.status()["in_time"], scene.supervisor.status()["warnings"]) == (0.96, [])
+    scene.supervisor.memory = scene.supervisor.memory._replace(watch=Watch(answers=Answers(0b1111, 0, 4, 4)))
+    assert scene.supervisor.status()["warnings"] == ["4 answers in a row were late or missing; the lease bears 4"]

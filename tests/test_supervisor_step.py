@@ -7,7 +7,7 @@ from supervisor_scene import ABOUT, BIAS, CONFIG, DURATION, LEVEL, N_PER_COUNT, 
 
 from services.plant.config import GateLimits
 from services.supervisor.modes import Event
-from services.supervisor.observe import Bias, Watch
+from services.supervisor.observe import Bias, Links, Watch
 from services.supervisor.params import below_gate, supervisor_params
 from services.supervisor.step import SupervisorMemory, supervisor_step
 from shared.kernel import compiled
@@ -249,11 +249,12 @@ SAMPLES = st.builds(
     st.integers(-1, 400),
 )
 ASKS = st.builds(
-    lambda event, agreed, ready, stale: asked(event, agreed=agreed, controller_ready=ready, stale_ns=stale),
+    lambda event, agreed, ready, stale, links: asked(event, agreed=agreed, controller_ready=ready, stale_ns=stale, links=links),
     st.sampled_from(Event),
     st.booleans(),
     st.booleans(),
     st.sampled_from([0, 0, 20_000_000, 20_000_001]),
+    st.builds(Links, *[st.sampled_from([0, 0, 0, 1, 2])] * 3),
 )
 
 

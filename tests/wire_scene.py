@@ -4,7 +4,7 @@ from types import SimpleNamespace
 
 from shared.bus import RING, Inbox, Run
 from shared.codec import WIRE_VERSION, Header, encode
-from shared.messages import Command, Mode, Permit
+from shared.messages import Command, ControllerState, Mode, Permit
 from shared.topics import BY_KEY, expression
 
 CELL = "cell"
@@ -26,6 +26,12 @@ def command_body(codes=ZERO):
     return Command(codes)
 
 
+def state_body(number=0, **changes):
+    links = (0.0, 0.0, 0.0)
+    made = ControllerState(number, 0, *[links] * 7, 0.0, 0.0, 0.0, 0.0, links, links, (0, 0, 0), 0, 1, 0)
+    return made._replace(**changes)
+
+
 class FakeBus:
     """Keeps what is published; `send` puts a frame where the transport would."""
 
@@ -41,6 +47,9 @@ class FakeBus:
 
     def publish(self, key, body, echo=(-1, 0)):
         self.published.append((key, body, echo))
+
+    def requests(self):
+        return []
 
     def of(self, key):
         return [body for topic, body, _ in self.published if topic == key]

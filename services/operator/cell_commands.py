@@ -186,7 +186,7 @@ def _words(service: str, found: dict[str, Any] | None) -> str:
     if found is None:
         return "[red]does not answer[/]"
     if service == "supervisor":
-        return f"{found['mode']}  {found['words']}"
+        return "\n".join([f"{found['mode']}  {found['words']}", *(f"[yellow]{line}[/]" for line in found["warnings"])])
     if service == "plant":
         gate = "open" if found["gate"] == GateState.OPEN else f"shut: {found['gate_cause']}"
         return f"sample {found['number']}, gate {gate}, lease {found['lease_ms']} ms"

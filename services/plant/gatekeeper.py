@@ -76,7 +76,7 @@ class Gatekeeper:
 
     def judge(self, now_ns: int, *, at_latch: bool, overslept: bool = False) -> None:
         """Let the gate decide on what is held, and write what it gives."""
-        link = worst(self.commands.watch.look(now_ns), self.permits.watch.look(now_ns))
+        link = worst(self.commands.protection.look(now_ns), self.permits.protection.look(now_ns))
         seen = GateInput(
             self.mailbox.permit_seen(now_ns),
             self.mailbox.command_seen(now_ns),

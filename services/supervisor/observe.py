@@ -3,6 +3,7 @@
 import math
 from typing import NamedTuple
 
+from services.supervisor.answers import Answers, answers_step
 from services.supervisor.rule import GaugeSeen, MotionSeen, Observed, TransportSeen
 from shared.converters import Calibration
 from shared.kernel import kernel
@@ -32,6 +33,15 @@ class Watch(NamedTuple):
 
     last_number: int = NO_COMMAND
     bias: Bias = Bias()
+    answers: Answers = Answers()
+
+
+class Links(NamedTuple):
+    """What the inboxes have shown."""
+
+    faults: int
+    rivals: int
+    other_run: int
 
 
 class Heard(NamedTuple):
@@ -40,6 +50,7 @@ class Heard(NamedTuple):
     running: bool  # the mode
     stale_ns: int  # 0 when a sample came; otherwise wall time since the last
     ready: bool  # the controller says so
+    links: Links
 
 
 @kernel
@@ -52,15 +63,34 @@ def observe_step(watch: Watch, observing: Observing, sample: Sample, heard: Hear
     q_rad, pitch_rad = joint_positions(observing.calibration, sample.encoder_counts)
     raw_n = sample.force_counts * observing.calibration.force_n_per_count
     in_trial = heard.running and sample.tick != NO_TRIAL
+    answers = Answers(0, 0, 0, 0)
+    if in_trial and sample.tick > 0:  # from the sample on that tells how that of tick 0 was answered
+        answers = answers_step(watch.answers, lost, answered_in_time(sample)) if came else watch.answers
     seen = Observed(
         (in_trial and sample.tick >= 0) or went_back,
         in_trial and sample.tick >= -1,
         sample.tick,
         GaugeSeen(sample.force_counts, raw_n, raw_n - bias.mean_n, bias.mean_n, bias.spread_n),
         MotionSeen(q_rad, forward(UNIMATE_GEOMETRY, q_rad, pitch_rad)),
-        TransportSeen(lost, heard.stale_ns, sample.number - sample.command_number, sample.gate, heard.ready),
+        TransportSeen(
+            lost,
+            heard.stale_ns,
+            sample.number - sample.command_number,
+            sample.gate,
+            heard.ready,
+            heard.links.faults,
+            heard.links.rivals,
+            heard.links.other_run if heard.running else 0,
+            answers.missed,
+        ),
     )
-    return Watch(sample.number, bias), seen
+    return Watch(sample.number, bias, answers), seen
+
+
+@kernel
+def answered_in_time(sample: Sample) -> bool:
+    """Whether the command that answers the sample before this one was in force at its latch."""
+    return sample.command_number == sample.number - 1 and sample.command_late_substeps == 0
 
 
 @kernel
@@ -80,4 +110,4 @@ def bias_step(bias: Bias, observing: Observing, sample: Sample) -> Bias:
 @kernel
 def bias_anew(watch: Watch) -> Watch:
     """A trial begins: the sums of the one before leave no trace, even if its first sample is lost."""
-    return Watch(watch.last_number, Bias(watch.bias.mean_n, watch.bias.spread_n, 0.0, 0.0, 0))
+    return Watch(watch.last_number, Bias(watch.bias.mean_n, watch.bias.spread_n, 0.0, 0.0, 0), Answers(0, 0, 0, 0))

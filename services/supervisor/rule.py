@@ -33,6 +33,10 @@ class TransportSeen(NamedTuple):
     command_lag: int  # samples since the one that the newest command answers
     gate: int
     ready: bool  # the controller says so
+    link_faults: int  # CRC and sequence faults of the last second under a bound identity, of the worst link
+    rivals: int  # frames of the last second by which a bound sender has another epoch, of the worst link
+    other_run: int  # frames since the last verdict that belong to another run or experiment than a running permit
+    missed: int  # of the last 100 samples, those that were not answered in time
 
 
 class Observed(NamedTuple):
@@ -54,6 +58,8 @@ class Limits(NamedTuple):
     max_force_counts: int
     lease_samples: int
     lease_ns: int
+    faults_per_s: int
+    missed_samples: int
 
 
 Verdict = Callable[[Observed, Limits], bool]

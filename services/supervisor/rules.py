@@ -3,6 +3,7 @@
 from collections.abc import Callable
 
 from services.supervisor.force_rules import FORCE_RULES
+from services.supervisor.link_rules import LINK_RULES
 from services.supervisor.motion_rules import MOTION_RULES
 from services.supervisor.rule import Limits, Number, Observed, Rule, Verdict
 from services.supervisor.transport_rules import TRANSPORT_RULES
@@ -11,7 +12,7 @@ from shared.messages import TripCause
 
 Broken = tuple[int, float, float]  # cause, measured, limit; all zero if nothing is
 
-RULES = tuple(sorted((*FORCE_RULES, *MOTION_RULES, *TRANSPORT_RULES), key=lambda rule: rule.cause))
+RULES = tuple(sorted((*FORCE_RULES, *MOTION_RULES, *TRANSPORT_RULES, *LINK_RULES), key=lambda rule: rule.cause))
 WORDS = {rule.cause: rule.words for rule in RULES} | {
     TripCause.NONE: "nothing",
     TripCause.ESTOP: "the operator's emergency stop",

@@ -6,8 +6,10 @@ import time
 from collections.abc import Callable
 from typing import Any
 
+from services.supervisor.answers import quality
 from services.supervisor.config import SupervisorConfig
 from services.supervisor.modes import ARMED, DISARMED, RUNNING, TRIPPED, Event
+from services.supervisor.observe import Links
 from services.supervisor.params import below_gate, supervisor_params
 from services.supervisor.rules import trip_words
 from services.supervisor.step import Asked, SupervisorMemory, supervisor_step
@@ -16,10 +18,12 @@ from shared.codec import Received
 from shared.envelope import Envelope, section, unseal
 from shared.messages import About, Mode, Permit, TripCause
 from shared.process import draw_number, options_of, parser, serve
+from shared.protection import worst
 from shared.realtime import follow
 from shared.reception import due, reception, told
 from shared.units import NS_PER_S
 
+LATE_IN_A_ROW = 3  # more of them warn
 _IDLE_WAKE_S = 0.1
 _LOCKSTEP_SILENCE_NS = 6 * NS_PER_S  # the plant gives up on a peer after 5 s
 _EVENTS = {
@@ -61,25 +65,30 @@ class Supervisor:
         self.controller: Received | None = None
         self.permit: Permit | None = None
         self._drawn = draw_number()
+        self._others = 0  # frames of another run at the last verdict
 
     def run(self, stopped: Callable[[], bool]) -> None:
         """Until told to stop."""
         while not stopped():
             self.bus.wait(self._patience_s())
-            for message in self.abouts.take():
-                self._learn(message.body)
-            for message in self.states.take():
-                self.controller = message
-                self.states.acceptance.other_run += not same_run(message.header, self.bus.run)
-            messages = self.samples.take()
-            for message in messages:
-                self.sample = message
-                self.samples.acceptance.other_run += not same_run(message.header, self.bus.run)
-                self._judge(message, 0)
-            for request in self.bus.requests():
-                self._serve(request)
-            if not messages:
-                self._judge_absence()
+            self.step()
+
+    def step(self) -> None:
+        """Judge everything that has come, or that nothing has."""
+        for message in self.abouts.take():
+            self._learn(message.body)
+        for message in self.states.take():
+            self.controller = message
+            self.states.acceptance.other_run += not same_run(message.header, self.bus.run)
+        messages = self.samples.take()
+        for message in messages:
+            self.sample = message
+            self.samples.acceptance.other_run += not same_run(message.header, self.bus.run)
+            self._judge(message, 0)
+        for request in self.bus.requests():
+            self._serve(request)
+        if not messages:
+            self._judge_absence()
 
     def _patience_s(self) -> float:
         """How long to wait for a sample before its absence is judged."""
@@ -103,9 +112,8 @@ class Supervisor:
             return
         if self.memory.mode == DISARMED and not self.asked:  # a request must be answered now, not when the plant returns
             return
-        lockstep = self.envelope is not None and self.envelope.clock == "lockstep"
         stale_ns = time.monotonic_ns() - self.sample.arrival_ns
-        if stale_ns > (_LOCKSTEP_SILENCE_NS if lockstep else self.about.permit_ttl_ns):
+        if stale_ns > (_LOCKSTEP_SILENCE_NS if self._lockstep else self.about.permit_ttl_ns):
             self._judge(self.sample, stale_ns)
 
     def _judge(self, message: Received, stale_ns: int) -> None:
@@ -114,7 +122,7 @@ class Supervisor:
             return
         event, request = self.asked.pop(0) if self.asked else (Event.NOTHING, None)
         ready = self.controller is not None and self.controller.body.ready == 1
-        asked = Asked(int(event), self._drawn, self._agreed(message), ready, stale_ns)
+        asked = Asked(int(event), self._drawn, self._agreed(message), ready, stale_ns, self._links(message))
         before = self.memory
         self.memory, self.permit = supervisor_step(self.memory, self.params, message.body, asked)
         if self.memory.arming not in (0, before.arming):
@@ -127,6 +135,18 @@ class Supervisor:
             self.bus.publish("supervisor/reception", reception(message.body.number, self._inboxes), echo)
         if request is not None:
             self._reply(event, request, message)
+
+    def _links(self, message: Received) -> Links:
+        """What the inboxes have shown, by wall time or, in lockstep, by the sample's; and frames of another run since then."""
+        now_ns = message.body.time_ns if self._lockstep else time.monotonic_ns()
+        seen = worst(*(inbox.protection.look(now_ns) for inbox in self._inboxes))
+        others = sum(inbox.acceptance.other_run for inbox in self._inboxes)
+        before, self._others = self._others, others
+        return Links(seen.faults, seen.rivals, others - before)
+
+    @property
+    def _lockstep(self) -> bool:
+        return self.envelope is not None and self.envelope.clock == "lockstep"
 
     def _agreed(self, message: Received) -> bool:
         """Plant and controller report the loaded experiment and run, and the gate's limit stands above."""
@@ -166,6 +186,13 @@ class Supervisor:
             if not same_run(header, self.bus.run):
                 return f"the {name} has another experiment or run loaded: load again"
         return "not every service agrees yet: try again"
+
+    def _warnings(self) -> list[str]:
+        """What is borne, and should be known: the lease decides when it is not borne any more."""
+        late = self.memory.watch.answers.in_a_row
+        if late <= LATE_IN_A_ROW or self.about is None:
+            return []
+        return [f"{late} answers in a row were late or missing; the lease bears {self.params.limits.lease_samples}"]
 
     def trip_words(self) -> str:
         """Cause, number and limit of the latched trip."""
@@ -231,6 +258,8 @@ class Supervisor:
             "force_bias_n": self.memory.watch.bias.mean_n,
             "experiment": self.bus.run.experiment.hex(),
             "run": self.bus.run.run,
+            "in_time": quality(self.memory.watch.answers.missed),
+            "warnings": self._warnings(),
             "reception": told(self._inboxes),
         }
 

@@ -13,7 +13,7 @@ from services.supervisor.modes import (
     next_mode,
 )
 from services.supervisor.modes import ESTOP as ESTOP_EVENT
-from services.supervisor.observe import Heard, Observing, Watch, bias_anew, observe_step
+from services.supervisor.observe import Heard, Links, Observing, Watch, bias_anew, observe_step
 from services.supervisor.rule import Limits, Observed
 from services.supervisor.rules import first_broken
 from shared.kernel import kernel
@@ -51,6 +51,7 @@ class Asked(NamedTuple):
     agreed: bool  # all services report this experiment, run and version, and the gate's limit stands above
     controller_ready: bool
     stale_ns: int  # 0 when a sample came; otherwise wall time since the last
+    links: Links
 
 
 class SupervisorMemory(NamedTuple):
@@ -74,7 +75,7 @@ def supervisor_step(
     memory: SupervisorMemory, params: SupervisorParams, sample: Sample, asked: Asked
 ) -> tuple[SupervisorMemory, Permit]:
     """Judge one sample (or its absence, when asked.stale_ns > 0) and say who may move."""
-    heard = Heard(memory.mode == RUNNING, asked.stale_ns, asked.controller_ready)
+    heard = Heard(memory.mode == RUNNING, asked.stale_ns, asked.controller_ready, asked.links)
     watch, seen = observe_step(memory.watch, params.observing, sample, heard)
     broken, measured, limit = first_broken(seen, params.limits)
     facts = Facts(

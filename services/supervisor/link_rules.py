@@ -1,0 +1,64 @@
+"""What must hold of the links: no faults under a bound identity, one publisher a topic, one experiment, answers in time."""
+
+from services.supervisor.answers import quality
+from services.supervisor.rule import Limits, Observed, Rule
+from shared.kernel import kernel
+from shared.messages import TripCause
+
+
+@kernel
+def links_sound(seen: Observed, limits: Limits) -> bool:
+    return seen.transport.link_faults <= limits.faults_per_s
+
+
+@kernel
+def one_publisher(seen: Observed, limits: Limits) -> bool:
+    return seen.transport.rivals <= _rivals_allowed(seen, limits)
+
+
+@kernel
+def _rivals_allowed(seen: Observed, limits: Limits) -> int:
+    """At rest a service may start anew; in motion nobody may."""
+    return 0 if seen.moving else limits.faults_per_s
+
+
+@kernel
+def one_experiment(seen: Observed, limits: Limits) -> bool:
+    return seen.transport.other_run == 0
+
+
+@kernel
+def answered_in_time(seen: Observed, limits: Limits) -> bool:
+    return seen.transport.missed <= limits.missed_samples
+
+
+LINK_RULES = (
+    Rule(
+        links_sound,
+        TripCause.LINK_FAULTS,
+        lambda seen, _: float(seen.transport.link_faults),
+        lambda _, limits: float(limits.faults_per_s),
+        "frames of plant or controller came corrupt, again or out of order (in a second)",
+    ),
+    Rule(
+        one_publisher,
+        TripCause.TWO_PUBLISHERS,
+        lambda seen, _: float(seen.transport.rivals),
+        lambda seen, limits: float(_rivals_allowed(seen, limits)),
+        "there are two plants or two controllers, or one started anew (frames of another epoch in a second)",
+    ),
+    Rule(
+        one_experiment,
+        TripCause.OTHER_RUN,
+        lambda seen, _: float(seen.transport.other_run),
+        lambda _, __: 0.0,
+        "plant or controller has another run or experiment than the permit (frames)",
+    ),
+    Rule(
+        answered_in_time,
+        TripCause.QUALITY,
+        lambda seen, _: quality(seen.transport.missed),
+        lambda _, limits: quality(limits.missed_samples),
+        "too few of the last 100 samples were answered in time (share)",
+    ),
+)
