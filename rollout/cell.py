@@ -8,8 +8,11 @@ import numpy.typing as npt
 from services.controller.params import ControllerParams
 from services.controller.step import ControlMemory, control_step
 from services.plant.config import GateLimits
+from services.plant.faults import Held
+from services.plant.faulty_actuators import faulty_codes, faulty_machine
+from services.plant.faulty_sensors import faulty_sense
 from services.plant.gate import CommandSeen, GateInput, GateMemory, PermitSeen, gate_step
-from services.plant.machine import MachineState, advance, sense, truth
+from services.plant.machine import MachineState, advance, truth
 from services.plant.params import ContactParams, MachineParams
 from services.supervisor.answers import Answers
 from services.supervisor.modes import NOTHING, RUNNING
@@ -160,7 +163,7 @@ def write_row(
 
 
 def play(
-    setup: Setup, memory: ControlMemory, table: Any, noise_n: Reals, intervals: Integers, out: Columns
+    setup: Setup, memory: ControlMemory, table: Any, faults: Any, noise_n: Reals, intervals: Integers, out: Columns
 ) -> tuple[SupervisorMemory, GateMemory, int]:
     """Run every tick; returns the supervisor's and the gate's last state and the number of rows written."""
     state, gate = setup.start, GateMemory(0, 1, (2048, 2048, 2048), -1, 0, 0, 0, 0, (0,) * 16, (0, 0, 0))
@@ -172,18 +175,22 @@ def play(
     for i in range(-setup.first_tick):
         trial_time_ns -= intervals[i] * SUBSTEP_NS
     ready = False
+    held = Held(((0, 0, 0, 0, 0), 0), 0, gate.codes)
     for i in range(len(noise_n)):
-        counts = sense(state, setup.machine, setup.contact, noise_n[i])
+        tick = setup.first_tick + i
+        counts = faulty_sense(state, setup.machine, setup.contact, noise_n[i], faults, tick, held)
+        machine = faulty_machine(faults, tick, setup.machine)
         sample = sample_of(setup, gate, counts, i, time_ns, trial_time_ns)
         seen = truth(state, setup.machine, setup.contact, i, sample.tick)
         memory, codes, thought = control_step(memory, setup.control, table, sample)
         watch, permit = supervisor_step(watch, setup.supervise, sample, Asked(NOTHING, 0, True, ready, 0, Links(0, 0, 0)))
         ready = thought.ready == 1
         write_row(out, i, sample, codes, thought, permit, seen)
-        state = advance(state, setup.machine, setup.contact, gate.codes, setup.latch_substeps)
+        state = advance(state, machine, setup.contact, held.codes, setup.latch_substeps)
         force_n = sample.force_counts * setup.control.calibration.force_n_per_count
         gate = gate_step(gate, setup.limits, gate_input(setup, permit, watch.arming, sample, codes, force_n), True)
-        state = advance(state, setup.machine, setup.contact, gate.codes, intervals[i] - setup.latch_substeps)
+        held = Held(counts, 1, faulty_codes(faults, tick, gate.codes, held))
+        state = advance(state, machine, setup.contact, held.codes, intervals[i] - setup.latch_substeps)
         time_ns += intervals[i] * SUBSTEP_NS
         trial_time_ns += intervals[i] * SUBSTEP_NS
         if watch.mode != RUNNING:

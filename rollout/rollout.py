@@ -11,12 +11,14 @@ from services.controller.config import controller_params, segment_table
 from services.controller.step import control_start
 from services.plant.about import about
 from services.plant.config import GateLimits, PlantConfig, bias_ticks, latch_substeps
+from services.plant.faults import COLUMNS, fault_row
 from services.plant.gate import GateMemory
 from services.plant.machine import machine_start
 from services.plant.noise import force_noise_n, sample_intervals
 from services.plant.params import contact_params
 from services.supervisor.params import supervisor_params
 from services.supervisor.step import SupervisorMemory
+from shared.faults import problem
 from shared.kernel import compiled
 from shared.units import NS_PER_S, SUBSTEP_NS
 
@@ -39,6 +41,16 @@ _compiled: dict[str, Any] = {}
 def duration_ticks(duration_s: float, plant: PlantConfig) -> int:
     """Samples from tick 0 to the end of the experiment."""
     return round(duration_s * NS_PER_S / (plant.sample_period_substeps * SUBSTEP_NS))
+
+
+def fault_table(experiment: Experiment, seed: int) -> Any:
+    """Rows of what breaks, shape (n, 6); raises ValueError with one line for what a local run cannot break."""
+    for fault in experiment.faults:
+        if what := problem(fault, "local"):
+            raise ValueError(what)
+    period_ns = experiment.plant.sample_period_substeps * SUBSTEP_NS
+    rows = [fault_row(fault, seed, period_ns) for fault in experiment.faults]
+    return np.array(rows, dtype=np.float64).reshape(-1, COLUMNS)
 
 
 def setup(experiment: Experiment, limits: GateLimits) -> Setup:
@@ -68,10 +80,11 @@ def play_local(experiment: Experiment, seed: int, limits: GateLimits | None = No
         seed, made.first_tick, count, experiment.plant.sample_period_substeps, experiment.plant.jitter_substeps
     )
     table = np.array(segment_table(experiment.reference), dtype=np.float64).reshape(-1, SEGMENT_COLUMNS)
+    broken = fault_table(experiment, seed)
     out = columns(count)
     if "play" not in _compiled:
         _compiled["play"] = compiled(play)
-    watch, gate, rows = _compiled["play"](made, control_start(made.control), table, noise_n, intervals, out)
+    watch, gate, rows = _compiled["play"](made, control_start(made.control), table, broken, noise_n, intervals, out)
     return Outcome(
         _rows(out, slice(rows)),
         made.first_tick,

@@ -9,6 +9,8 @@ from typing import Annotated, Literal, NamedTuple
 
 from annotated_types import Interval
 
+from shared.units import NS_PER_S
+
 Group = Literal["sensor", "actuator", "transport", "process"]
 
 LINKS = ("rotate", "down_up", "out_in")
@@ -19,6 +21,7 @@ CONVERTERS = tuple(f"dac_{link}" for link in LINKS)
 PATHS = ("plant>controller", "plant>supervisor", "controller>plant", "controller>supervisor", "supervisor>plant")
 CUTS = ("plant-controller", "plant-supervisor", "controller-supervisor")  # both ways
 PROCESSES = ("plant", "controller", "supervisor", "recorder")
+FOR_EVER = 2**31  # later than any tick
 _EVERY, _ON_THE_BUS, _LIVE = ("local", "lockstep", "real"), ("lockstep", "real"), ("real",)
 
 
@@ -102,6 +105,15 @@ def problem(fault: Fault, clock: str = "") -> str:
     if row.unit and not (math.isfinite(fault.value) and row.low <= fault.value <= row.high):
         return f"value of {fault.kind} is {fault.value:g} {row.unit}, expected {row.low:g}..{row.high:g}"
     return ""
+
+
+def ticks_of(fault: Fault, period_ns: int) -> tuple[int, int]:
+    """First tick of `fault` and the tick after its last, by the nominal period: the same on every clock, at least one tick."""
+    first = -(-round(fault.at_s * NS_PER_S) // period_ns)
+    if fault.lasts_s == 0.0:
+        return first, FOR_EVER
+    end = -(-round((fault.at_s + fault.lasts_s) * NS_PER_S) // period_ns)
+    return first, max(first + 1, end)
 
 
 def of_group(faults: tuple[Fault, ...], *groups: Group) -> tuple[Fault, ...]:

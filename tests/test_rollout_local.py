@@ -125,7 +125,7 @@ def test_plain_python_plays_the_compiled_trial_bit_for_bit():
     experiment = press(0.4)
     made, count, table, noise_n, intervals = plain_parts(experiment, 3)
     out = columns(count)
-    watch, gate, rows = play(made, control_start(made.control), table, noise_n, intervals, out)
+    watch, gate, rows = play(made, control_start(made.control), table, (), noise_n, intervals, out)
     compiled = play_local(experiment, 3)
     assert rows == count == len(compiled.rows.tick)
     for name, plain, machine in zip(out._fields, out, compiled.rows, strict=True):

@@ -36,9 +36,14 @@ def encoder_counts(q_rad: tuple[float, float, float], q4_rad: float) -> tuple[in
 
 
 @kernel
-def gauge_counts(machine: MachineParams, force_n: float, noise_n: float) -> int:
-    """A/D counts of the gauge: force + bias + noise, limited by the amplifier, floored; lowest count if not a number."""
-    reading_n = force_n + machine.force_bias_n + noise_n
+def gauge_n(machine: MachineParams, force_n: float, noise_n: float) -> float:
+    """What the gauge's amplifier gets: force + bias + noise."""
+    return force_n + machine.force_bias_n + noise_n
+
+
+@kernel
+def amplified_counts(machine: MachineParams, reading_n: float) -> int:
+    """A/D counts of a reading: limited by the amplifier, floored; lowest count if not a number."""
     if reading_n < machine.force_low_n:
         reading_n = machine.force_low_n
     elif reading_n > machine.force_high_n:
@@ -49,3 +54,9 @@ def gauge_counts(machine: MachineParams, force_n: float, noise_n: float) -> int:
     if counts > MAX_FORCE_COUNTS:
         return MAX_FORCE_COUNTS
     return math.floor(counts)
+
+
+@kernel
+def gauge_counts(machine: MachineParams, force_n: float, noise_n: float) -> int:
+    """A/D counts of the gauge."""
+    return amplified_counts(machine, gauge_n(machine, force_n, noise_n))
