@@ -18,6 +18,7 @@ import zenoh
 
 from shared.acceptance import Acceptance
 from shared.codec import WIRE_VERSION, Header, Received, Rejected, decode, encode
+from shared.detour import FOREVER_NS, Conditions, Detour, Passage
 from shared.messages import NO_COMMAND, Answer, Ask
 from shared.protection import Protection, ProtectionLimits
 from shared.topics import ANSWER, ASK, BY_KEY, Topic, expression
@@ -66,11 +67,19 @@ class Inbox:
         self._key = expression(cell, topic.key)
         self._ring: deque[tuple[int, bytes]] = deque(maxlen=depth)
         self._wake = wake
+        self.detour: Detour | None = None  # transport faults, while any are loaded
 
     def put(self, sample: Any) -> None:
         """Transport's callback: stamp and append."""
         self._ring.append((time.monotonic_ns(), sample.payload.to_bytes()))
         self._wake()
+
+    def impair(self, conditions: Conditions) -> None:
+        """Let faults act on this topic, if any of `conditions` touches it; what is under way of the same trial stays so."""
+        if not conditions.touches(self.topic):
+            self.detour = None
+        elif self.detour is None or self.detour.conditions is not conditions:
+            self.detour = Detour(self.topic, conditions, self._decode)
 
     def peek(self) -> Received | Rejected | None:
         """The newest frame, left where it is; for progress, never for control."""
@@ -78,19 +87,41 @@ class Inbox:
             arrival_ns, frame = self._ring[-1]
         except IndexError:
             return None
-        return decode(self._key, self.topic, self.cell, frame, arrival_ns)
+        return self._decode(frame, arrival_ns)
 
-    def drain(self) -> list[Received | Rejected]:
-        """Everything that has arrived, in order, decoded but not yet judged."""
+    def drain(self, simulated_ns: int = FOREVER_NS) -> list[Received | Rejected]:
+        """Everything that has come, in order, decoded but not yet judged; faults in lockstep go by simulated time."""
         frames = []
         while self._ring:
             arrival_ns, frame = self._ring.popleft()
-            frames.append(decode(self._key, self.topic, self.cell, frame, arrival_ns))
-        return frames
+            message = self._decode(frame, arrival_ns)
+            if self.detour is None:
+                frames.append(message)
+            else:
+                self.detour.admit(frame, message, simulated_ns)
+        return frames if self.detour is None else self.detour.released(simulated_ns, time.monotonic_ns())
 
-    def take(self) -> list[Received]:
-        """Everything valid that has arrived, in order; the rest is counted in `acceptance`."""
-        return [taken for message in self.drain() if (taken := self.acceptance.take(message)) is not None]
+    def take(self, simulated_ns: int = FOREVER_NS) -> list[Received]:
+        """Everything valid that has come, in order; the rest is counted in `acceptance`."""
+        return [taken for message in self.drain(simulated_ns) if (taken := self.acceptance.take(message)) is not None]
+
+    def passages(self) -> list[Passage]:
+        """Samples that arrived in lockstep since the last call and did not come as they should."""
+        if self.detour is None:
+            return []
+        passed, self.detour.passages = self.detour.passages, []
+        return passed
+
+    def arrived(self) -> int:
+        """Newest sample whose answer a fault holds or took; nobody waits for it."""
+        return NO_COMMAND if self.detour is None else self.detour.newest
+
+    def delay_ns(self, message: Received) -> int:
+        """Simulated time by which faults made `message` later than its sample."""
+        return 0 if self.detour is None else self.detour.delay_ns(message.header.echo_number)
+
+    def _decode(self, frame: bytes, arrival_ns: int) -> Received | Rejected:
+        return decode(self._key, self.topic, self.cell, frame, arrival_ns)
 
 
 class Request(NamedTuple):
@@ -118,6 +149,8 @@ class Bus:
         self.run = Run()
         self.requests_seen: deque[Any] = deque(maxlen=RING)
         self.waits_for_room = False  # instead of dropping: in lockstep nothing may be lost to a slow reader
+        self.conditions: Conditions | None = None
+        self._inboxes: list[Inbox] = []
         self._port_base = port_base
         self._lock = threading.Lock()
         self._lock.acquire()
@@ -167,12 +200,22 @@ class Bus:
             return
 
     def wait(self, timeout_s: float) -> bool:
-        """Sleep until something arrives; False after `timeout_s`."""
+        """Sleep until something arrives, or a frame that a fault delays comes; False after `timeout_s`."""
+        for inbox in self._inboxes:
+            if inbox.detour is not None:
+                timeout_s = min(timeout_s, (inbox.detour.next_ns() - time.monotonic_ns()) * 1e-9)
         return self._lock.acquire(timeout=max(0.0, timeout_s))
+
+    def impair(self, conditions: Conditions) -> None:
+        """From now on these faults act on what this service receives; a way that none touches stays free of cost."""
+        self.conditions = conditions
+        for inbox in self._inboxes:
+            inbox.impair(conditions)
 
     def subscribe(self, key: str, depth: int = RING) -> Inbox:
         """A ring fed by one topic."""
         inbox = Inbox(BY_KEY[key], self.identity.cell, depth, self.wake)
+        self._inboxes.append(inbox)
         handler = zenoh.handlers.Callback(inbox.put, indirect=False)
         self._session.declare_subscriber(expression(self.identity.cell, key), handler)
         return inbox

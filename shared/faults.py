@@ -21,6 +21,7 @@ CONVERTERS = tuple(f"dac_{link}" for link in LINKS)
 PATHS = ("plant>controller", "plant>supervisor", "controller>plant", "controller>supervisor", "supervisor>plant")
 CUTS = ("plant-controller", "plant-supervisor", "controller-supervisor")  # both ways
 PROCESSES = ("plant", "controller", "supervisor", "recorder")
+COUNTED = ("messages", "processes")  # units that come whole
 FOR_EVER = 2**31  # later than any tick
 _EVERY, _ON_THE_BUS, _LIVE = ("local", "lockstep", "real"), ("lockstep", "real"), ("real",)
 
@@ -104,6 +105,10 @@ def problem(fault: Fault, clock: str = "") -> str:
         return f"value of {fault.kind} is {fault.value:g}, but it takes none: leave it out"
     if row.unit and not (math.isfinite(fault.value) and row.low <= fault.value <= row.high):
         return f"value of {fault.kind} is {fault.value:g} {row.unit}, expected {row.low:g}..{row.high:g}"
+    if row.unit in COUNTED and fault.value != int(fault.value):
+        return f"value of {fault.kind} is {fault.value:g}, expected a whole number of {row.unit}"
+    if fault.kind == "burst" and fault.lasts_s != 0.0:
+        return f"lasts_s of burst is {fault.lasts_s:g} s, but it ends with its last message: leave it out"
     return ""
 
 

@@ -232,6 +232,12 @@ class Reception(NamedTuple):
     inboxes: tuple[InboxCounts, ...]
 
 
+class Passed(NamedTuple):
+    """In lockstep: a fault of the transport took this sample, it will not be answered."""
+
+    number: int
+
+
 class Ask(NamedTuple):
     """A request to one service."""
 

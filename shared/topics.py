@@ -28,6 +28,8 @@ TOPICS = (
     Topic("plant/reception", 10, messages.Reception, "plant", False, "", False),
     Topic("controller/reception", 11, messages.Reception, "controller", False, "", False),
     Topic("supervisor/reception", 12, messages.Reception, "supervisor", False, "", False),
+    Topic("controller/passed", 13, messages.Passed, "controller", False, "", False),
+    Topic("supervisor/passed", 14, messages.Passed, "supervisor", False, "", False),
 )
 ASK = Topic("operator/request", 8, messages.Ask, "operator", False, "", False)
 ANSWER = Topic("operator/answer", 9, messages.Answer, "", False, "", False)

@@ -40,10 +40,16 @@ class FakeBus:
         self.published = []
         self.inboxes = {}
         self.waits_for_room = False
+        self.conditions = None
 
     def subscribe(self, key, depth=RING):
         self.inboxes[key] = Inbox(BY_KEY[key], CELL, depth, lambda: None)
         return self.inboxes[key]
+
+    def impair(self, conditions):
+        self.conditions = conditions
+        for inbox in self.inboxes.values():
+            inbox.impair(conditions)
 
     def publish(self, key, body, echo=(-1, 0)):
         self.published.append((key, body, echo))

@@ -9,10 +9,11 @@ from services.plant.gate import GateInput, GateMemory, gate_step
 from services.plant.ledger import Ledger
 from services.plant.mailbox import Mailbox
 from services.plant.numbers import numbers
-from shared.bus import Bus, Inbox
+from shared.bus import Bus, Inbox, same_run
 from shared.codec import Received
 from shared.converters import N_PER_FORCE_COUNT
-from shared.messages import NO_TRIAL, GateCause, GateEvent
+from shared.detour import FOREVER_NS
+from shared.messages import NO_COMMAND, NO_TRIAL, GateCause, GateEvent
 from shared.protection import worst
 from shared.reception import reception
 from shared.units import SUBSTEP_NS
@@ -28,6 +29,8 @@ class Gatekeeper:
         self.mailbox = Mailbox(self.ledger)
         self.commands: Inbox = bus.subscribe("controller/command")
         self.permits: Inbox = bus.subscribe("supervisor/permit")
+        self._passed = (bus.subscribe("controller/passed"), bus.subscribe("supervisor/passed"))
+        self._passed_over: dict[str, int] = {}
         self.gate = GateMemory()
         self.estop = False
         self.force_counts = 0
@@ -44,17 +47,31 @@ class Gatekeeper:
         self.late_substeps = 0
         self.last_cut = int(GateCause.NONE)
 
-    def receive_permits(self) -> None:
+    def receive_permits(self, simulated_ns: int = FOREVER_NS) -> None:
         """Hold the newest permit."""
-        for message in self.permits.take():
+        for message in self.permits.take(simulated_ns):
             if not self.mailbox.take_permit(message, self._bus.run):
                 self.permits.acceptance.other_run += 1
 
-    def receive_in_step(self, latch_ns: int) -> None:
-        """Lockstep: hold the newest command; its age is simulated time."""
-        self.receive_permits()
-        for _ in self._receive_commands():
-            self.command_age_ns = latch_ns
+    def receive_in_step(self, simulated_ns: int, latch_ns: int, late: Callable[[Received, int], None]) -> None:
+        """Lockstep: hold the newest command; its age is simulated time. `late` gets the sub-step of one that a fault delayed."""
+        self.receive_permits(simulated_ns)
+        for message in self._receive_commands(simulated_ns):
+            delay_ns = self.commands.delay_ns(message)
+            self.command_age_ns = max(latch_ns, delay_ns)
+            if delay_ns > latch_ns:
+                late(message, (message.header.echo_time_ns + delay_ns) // SUBSTEP_NS)
+        for message in (message for inbox in self._passed for message in inbox.take()):
+            if same_run(message.header, self._bus.run):
+                self._passed_over[message.header.sender] = message.body.number
+
+    def dealt_with(self) -> tuple[tuple[str, int], tuple[str, int]]:
+        """Lockstep: the newest sample that nobody waits for: its answer has come, or a fault has it, or took the sample."""
+        passed = self._passed_over
+        return (
+            ("controller", max(self.mailbox.answered, self.commands.arrived(), passed.get("controller", NO_COMMAND))),
+            ("supervisor", max(self.mailbox.judged, self.permits.arrived(), passed.get("supervisor", NO_COMMAND))),
+        )
 
     def receive(self, now_ns: int, *, at_latch: bool, late: Callable[[Received], None]) -> None:
         """Real clock: hold the newest command; `late` is called for one that answers an older sample."""
@@ -66,9 +83,9 @@ class Gatekeeper:
             elif self._timeline.tick != NO_TRIAL:
                 self._counters.command_age_ns.append(self.command_age_ns)
 
-    def _receive_commands(self) -> Iterator[Received]:
+    def _receive_commands(self, simulated_ns: int = FOREVER_NS) -> Iterator[Received]:
         """Commands of this run, each held when it is given; those of another are counted."""
-        for message in self.commands.take():
+        for message in self.commands.take(simulated_ns):
             if self.mailbox.take_command(message, self._bus.run):
                 yield message
             else:

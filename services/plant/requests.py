@@ -8,6 +8,7 @@ from services.plant.about import about
 from services.plant.config import PlantConfig
 from services.plant.trial import Schedule
 from shared.bus import Request, Run
+from shared.detour import conditions_of
 from shared.envelope import section, unseal
 from shared.messages import GateCause
 from shared.realtime import follow
@@ -42,6 +43,7 @@ def _load(plant: "Plant", request: Request) -> None:
         envelope = unseal(str(request.arguments.get("envelope")))
         schedule = Schedule(section(envelope, "plant", PlantConfig), envelope)
         about(schedule.config, plant.keeper.limits)
+        conditions_of(envelope, "plant")
     except ValueError as error:
         return request.refuse(str(error))
     plant.pending = schedule
@@ -58,6 +60,7 @@ def _commit(plant: "Plant", request: Request) -> None:
     plant.device.load(schedule.config, envelope.seed, schedule.first_tick, schedule.ticks)
     plant.schedule = schedule
     plant.bus.run = Run(envelope.run, envelope.digest, 0)
+    plant.bus.impair(conditions_of(envelope, "plant"))
     plant.bus.waits_for_room = schedule.lockstep
     follow(envelope.clock)
     gc.collect()

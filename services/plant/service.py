@@ -59,11 +59,15 @@ class Plant:
     def sample(self) -> None:
         """Wait for the grid, read the converters, publish."""
         self._wait(self.due)
-        if not self._lockstep():
+        if self._lockstep():
+            self._receive_in_step(self.due)
+        else:
             self.keeper.receive(self.now_ns(), at_latch=False, late=self._apply_late)
         self._advance_to(self.due)
         number, time_ns = self.timeline.number, self.due * SUBSTEP_NS
         tick = self.timeline.tick = self.schedule.tick(number)
+        if self.bus.conditions is not None:
+            self.bus.conditions.see(number, tick)
         if tick == self.schedule.first_tick:
             self._begin_trial()
         reading = self.device.read()
@@ -131,11 +135,10 @@ class Plant:
     def _await_answers(self) -> None:
         """Lockstep: until command and permit answer this sample; PeerSilentError names who does not."""
         deadline = time.monotonic() + LOCKSTEP_TIMEOUT_S
-        mailbox, number = self.keeper.mailbox, self.timeline.number
+        number = self.timeline.number
         while not self.stopped() and not self.keeper.estop:
-            self.keeper.receive_in_step(self.schedule.latch * SUBSTEP_NS)
-            answers = (("controller", mailbox.answered), ("supervisor", mailbox.judged))
-            missing = [name for name, answered in answers if answered < number]
+            self._receive_in_step(self.due + self.schedule.latch)
+            missing = [name for name, dealt_with in self.keeper.dealt_with() if dealt_with < number]
             if not missing:
                 return
             if time.monotonic() > deadline:
@@ -145,10 +148,17 @@ class Plant:
             self.serve()
             self.bus.wait(_POLL_S)
 
+    def _receive_in_step(self, substep: int) -> None:
+        """Lockstep: what has come by a sub-step of simulated time; only faults make it late."""
+        self.keeper.receive_in_step(substep * SUBSTEP_NS, self.schedule.latch * SUBSTEP_NS, self._apply_at)
+
     def _apply_late(self, message: Received) -> None:
         """A command that answers an older sample takes effect at the sub-step at which it arrived."""
+        self._apply_at(message, self.grid.substep_at(message.arrival_ns))
+
+    def _apply_at(self, message: Received, substep: int) -> None:
         latest = self.due + self.schedule.latch
-        arrived = min(max(self.grid.substep_at(message.arrival_ns), self.timeline.substep), latest)
+        arrived = min(max(substep, self.timeline.substep), latest)
         self._advance_to(arrived)
         self.keeper.late_substeps = max(1, arrived - message.header.echo_time_ns // SUBSTEP_NS - self.schedule.latch)
         if self.timeline.tick != NO_TRIAL:

@@ -15,8 +15,9 @@ from services.supervisor.rules import trip_words
 from services.supervisor.step import Asked, SupervisorMemory, supervisor_step
 from shared.bus import Bus, Request, Run, same_run
 from shared.codec import Received
+from shared.detour import Passage, conditions_of
 from shared.envelope import Envelope, section, unseal
-from shared.messages import About, Mode, Permit, TripCause
+from shared.messages import About, Mode, Passed, Permit, TripCause
 from shared.process import draw_number, options_of, parser, serve
 from shared.protection import worst
 from shared.realtime import follow
@@ -80,11 +81,15 @@ class Supervisor:
         for message in self.states.take():
             self.controller = message
             self.states.acceptance.other_run += not same_run(message.header, self.bus.run)
-        messages = self.samples.take()
+        messages, passages = self.samples.take(), self.samples.passages()
+        for passage in passages:
+            self._judge_silence(passage)
         for message in messages:
             self.sample = message
             self.samples.acceptance.other_run += not same_run(message.header, self.bus.run)
             self._judge(message, 0)
+        for passage in passages:
+            self._tell(passage)
         for request in self.bus.requests():
             self._serve(request)
         if not messages:
@@ -115,6 +120,16 @@ class Supervisor:
         stale_ns = time.monotonic_ns() - self.sample.arrival_ns
         if stale_ns > (_LOCKSTEP_SILENCE_NS if self._lockstep else self.about.permit_ttl_ns):
             self._judge(self.sample, stale_ns)
+
+    def _judge_silence(self, passage: Passage) -> None:
+        """In lockstep simulated time without a sample is the same cause, where a fault takes or delays them."""
+        if self.sample is not None and self.about is not None and passage.silence_ns > self.about.permit_ttl_ns:
+            self._judge(self.sample, passage.silence_ns)
+
+    def _tell(self, passage: Passage) -> None:
+        """Lockstep: the plant need not wait for the verdict on a sample that a fault took."""
+        if not passage.taken:
+            self.bus.publish("supervisor/passed", Passed(passage.number), (passage.number, passage.time_ns))
 
     def _judge(self, message: Received, stale_ns: int) -> None:
         """Step once with the oldest request, publish the permit, answer the request."""
@@ -226,6 +241,7 @@ class Supervisor:
         try:
             envelope = unseal(str(request.arguments.get("envelope")))
             config = section(envelope, "supervisor", SupervisorConfig)
+            conditions_of(envelope, "supervisor")
         except ValueError as error:
             return request.refuse(str(error))
         self.pending = (envelope, config)
@@ -239,6 +255,7 @@ class Supervisor:
         self.envelope, self.config = self.pending
         self._prepare()
         self.bus.run = Run(self.envelope.run, self.envelope.digest, 0)
+        self.bus.impair(conditions_of(self.envelope, "supervisor"))
         self.bus.waits_for_room = self.envelope.clock == "lockstep"
         follow(self.envelope.clock)
         gc.collect()

@@ -1,0 +1,221 @@
+"""What transport faults do to a service's inboxes: frames that have arrived wait, are lost, bent or doubled before the step.
+
+In `real` a delay counts on the receiver's monotonic clock. In lockstep nobody waits for a frame: the plant lets a late answer
+come at its sub-step of simulated time; the others answer a late sample at once, and the plant adds its delay to the answer's.
+"""
+
+from bisect import insort_right
+from collections import deque
+from collections.abc import Callable
+from typing import NamedTuple
+
+from shared.codec import Received, Rejected
+from shared.envelope import Envelope, section
+from shared.faults import Fault, of_group, problem
+from shared.impairment import SAMPLE, Active, Fate, Route, fate, flip, on_path, paths_of, route_of, toll
+from shared.messages import NO_COMMAND, NO_TRIAL, Passed
+from shared.topics import Topic
+from shared.units import SUBSTEP_NS
+
+Frame = Received | Rejected
+FOREVER_NS = 1 << 62
+_PERIOD = 90  # sub-steps: the plant's default, for a load that does not say
+
+
+class Held(NamedTuple):
+    """A frame under way."""
+
+    release_ns: int
+    frame: Frame
+
+
+class Queue(NamedTuple):
+    """What is under way to one inbox."""
+
+    waiting: tuple[Held, ...] = ()  # in the order in which it comes
+    overtaken: tuple[Frame, ...] = ()  # comes behind the next that is taken
+    last_ns: int = 0  # release of the youngest that is taken
+
+
+class Passage(NamedTuple):
+    """A sample that has arrived in lockstep, and what a fault made of it."""
+
+    number: int
+    time_ns: int
+    silence_ns: int  # simulated time since the newest sample that had come by then
+    taken: bool  # it is answered, be it late; otherwise the plant must be told that it is not
+
+
+def send(queue: Queue, found: Fate, frame: Frame, release_ns: int) -> Queue:
+    """One frame more on its way, to come at `release_ns` but never before an older one."""
+    if found.lost:
+        return queue
+    if found.overtaken:
+        return queue._replace(overtaken=(*queue.overtaken, *(frame,) * found.copies))
+    release_ns = max(release_ns, queue.last_ns)
+    coming = (frame,) * found.copies + (queue.overtaken if found.taken else ())
+    waiting = (*queue.waiting, *(Held(release_ns, one) for one in coming))
+    return Queue(waiting, () if found.taken else queue.overtaken, release_ns)
+
+
+def slip_in(queue: Queue, frame: Frame, release_ns: int) -> Queue:
+    """A frame that answers no new sample: it may pass others."""
+    waiting = list(queue.waiting)
+    insort_right(waiting, Held(release_ns, frame), key=lambda held: held.release_ns)
+    return queue._replace(waiting=tuple(waiting))
+
+
+def come(queue: Queue, now_ns: int) -> tuple[Queue, tuple[Held, ...]]:
+    """What is still under way, and what has come by `now_ns`."""
+    count = sum(held.release_ns <= now_ns for held in queue.waiting)
+    return queue._replace(waiting=queue.waiting[count:]), queue.waiting[:count]
+
+
+class Conditions:
+    """The transport faults of one trial as one service knows them, and where the trial stands."""
+
+    def __init__(
+        self, service: str, faults: tuple[Fault, ...], *, seed: int, period: int, ticks: tuple[int, int], lockstep: bool
+    ) -> None:
+        """`period` in sub-steps; `ticks` are the trial's first and the one after its last."""
+        self.service, self.lockstep = service, lockstep
+        self._seed, self._period, self._ticks = seed, period, ticks
+        self._zero: int | None = None  # number of the sample of tick 0
+        self.tick = NO_TRIAL
+        self._routes: dict[str, Route] = {}
+        self._acting: dict[str, tuple[Active, ...]] = {}
+        for path in {path for fault in faults for path in paths_of(fault)}:
+            self._acting[path] = on_path(path, faults, period * SUBSTEP_NS)
+
+    def add(self, fault: Fault) -> None:
+        """From the next tick on, for as long as it lasts."""
+        self._routes.clear()
+        begins = fault._replace(at_s=(self.tick + 1) * self._period * SUBSTEP_NS * 1e-9)
+        for path in paths_of(fault):
+            self._acting[path] = self._acting.get(path, ()) + on_path(path, (begins,), self._period * SUBSTEP_NS)
+
+    def touches(self, topic: Topic) -> bool:
+        """Whether anything acts on a topic's way to this service; word of what a fault took always comes through."""
+        return topic.message is not Passed and any(leg.faults for leg in self.route(topic).legs)
+
+    def route(self, topic: Topic) -> Route:
+        """The topic's way to this service."""
+        if topic.key not in self._routes:
+            self._routes[topic.key] = route_of(topic, self.service, self._seed, self._period, self._acting)
+        return self._routes[topic.key]
+
+    def see(self, number: int, tick: int) -> None:
+        """A sample was issued, or has arrived."""
+        self.tick = tick
+        self._zero = None if tick == NO_TRIAL else number - tick
+
+    def tick_of(self, number: int) -> int:
+        """Tick of a sample's number; NO_TRIAL where no fault acts."""
+        tick = number - self._zero if self._zero is not None and number != NO_COMMAND else NO_TRIAL
+        return tick if self._ticks[0] <= tick < self._ticks[1] else NO_TRIAL
+
+
+def conditions_of(envelope: Envelope, service: str) -> Conditions:
+    """The transport faults of a load as `service` meets them; raises ValueError for a fault that its clock cannot play."""
+    faults: tuple[Fault, ...] = section(envelope, "faults", tuple[Fault, ...]) if "faults" in envelope.experiment else ()
+    for fault in faults:
+        if what := problem(fault, envelope.clock):
+            raise ValueError(what)
+    return Conditions(
+        service,
+        of_group(faults, "transport"),
+        seed=envelope.seed,
+        period=_period(envelope),
+        ticks=(-envelope.bias_ticks, envelope.duration_ticks),
+        lockstep=envelope.clock == "lockstep",
+    )
+
+
+def _period(envelope: Envelope) -> int:
+    """Sub-steps of the plant's nominal period; its section is the plant's to judge, this alone is everybody's."""
+    plant = envelope.experiment.get("plant", {})
+    period = plant.get("sample_period_substeps", _PERIOD) if isinstance(plant, dict) else _PERIOD
+    if type(period) is not int or period < 1:
+        raise ValueError(f"plant.sample_period_substeps is {period!r}, expected a whole number of sub-steps")
+    return period
+
+
+class Detour:
+    """One inbox's frames between their arrival and the step."""
+
+    def __init__(self, topic: Topic, conditions: Conditions, decode: Callable[[bytes, int], Frame]) -> None:
+        """Nothing is under way; `decode` reads a frame whose bits were turned."""
+        self._topic, self._decode = topic, decode
+        self.conditions = conditions
+        self.newest = NO_COMMAND  # sample that the newest frame arrived answers, whatever became of it
+        self.passages: list[Passage] = []
+        self._queue = Queue()
+        self._coming_ns: deque[int] = deque()  # samples that are taken, in simulated time
+        self._came_ns: int | None = None  # the newest of them that has come
+        self._paces = conditions.lockstep and conditions.service == "plant"
+
+    def admit(self, frame: bytes, message: Frame, now_ns: int) -> None:
+        """A frame has arrived; `now_ns` is the plant's simulated time in lockstep."""
+        if isinstance(message, Rejected):  # a stranger's, or torn already
+            self._queue = slip_in(self._queue, message, 0)
+            return
+        header, conditions = message.header, self.conditions
+        is_sample = self._topic.key == SAMPLE
+        if is_sample:
+            conditions.see(message.body.number, message.body.tick)
+        answers = header.echo_number > self.newest  # otherwise it is sent again, or on change: what acts now acts on it
+        self.newest = max(self.newest, header.echo_number)
+        tick = conditions.tick_of(header.echo_number) if answers else conditions.tick
+        found = self._fate(tick, answers=answers)
+        since_ns = self._since_ns(message, now_ns if not answers else header.echo_time_ns, tick)
+        release_ns = since_ns + (found.delay if self._paces else found.own) * SUBSTEP_NS
+        coming = self._decode(flip(frame, found.flipped), message.arrival_ns) if found.flipped >= 0.0 else message
+        if answers:
+            self._queue = send(self._queue, found, coming, release_ns)
+        elif not found.lost:
+            for _ in range(found.copies):
+                self._queue = slip_in(self._queue, coming, release_ns)
+        if is_sample and answers and conditions.lockstep:
+            self._pass(header.echo_number, header.echo_time_ns, tick, found)
+
+    def _fate(self, tick: int, *, answers: bool) -> Fate:
+        if tick == NO_TRIAL:
+            return Fate()
+        route = self.conditions.route(self._topic)
+        if answers:
+            return fate(route, tick)
+        own = toll(route, tick)
+        return Fate(own.lost, False, own.delay, own.delay, own.copies, own.flipped)
+
+    def _since_ns(self, message: Received, simulated_ns: int, tick: int) -> int:
+        """The instant from which a delay counts; 0 where nobody waits."""
+        if not self.conditions.lockstep:
+            return message.arrival_ns
+        return simulated_ns if self._paces and tick != NO_TRIAL else 0
+
+    def _pass(self, number: int, time_ns: int, tick: int, found: Fate) -> None:
+        """Keep the account of samples in simulated time."""
+        if found.taken:
+            self._coming_ns.append(time_ns + found.delay * SUBSTEP_NS)
+        while self._coming_ns and self._coming_ns[0] <= time_ns:
+            self._came_ns = self._coming_ns.popleft()
+        silence_ns = 0 if self._came_ns is None else time_ns - self._came_ns
+        if tick != NO_TRIAL and (not found.taken or silence_ns > 0):
+            self.passages.append(Passage(number, time_ns, silence_ns, found.taken))
+
+    def released(self, simulated_ns: int, wall_ns: int) -> list[Frame]:
+        """What has come by now, in order; in `real` it is stamped with the instant at which it came."""
+        self._queue, held = come(self._queue, simulated_ns if self.conditions.lockstep else wall_ns)
+        if self.conditions.lockstep:
+            return [one.frame for one in held]
+        return [one.frame._replace(arrival_ns=max(one.release_ns, one.frame.arrival_ns)) for one in held]
+
+    def next_ns(self) -> int:
+        """When the next frame comes, on the wall clock; FOREVER_NS if none is under way, or nobody waits for it."""
+        waiting = self._queue.waiting
+        return waiting[0].release_ns if waiting and not self.conditions.lockstep else FOREVER_NS
+
+    def delay_ns(self, number: int) -> int:
+        """Simulated time from a sample to the coming of its answer."""
+        tick = self.conditions.tick_of(number)
+        return 0 if tick == NO_TRIAL else fate(self.conditions.route(self._topic), tick).delay * SUBSTEP_NS
