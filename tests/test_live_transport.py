@@ -9,6 +9,7 @@ import pytest
 from live_cell import experiment, own_place
 
 from experiments.trace import Trace
+from rollout.rollout import duration_ticks
 from services.operator import cell as cells
 from services.operator.collect import Collector
 from services.operator.session import arm, load, watch
@@ -60,7 +61,7 @@ def trial(bus: Bus, *faults: Fault) -> Told:
 
 def attempt(bus: Bus, *faults: Fault) -> Told | None:
     made = experiment(DURATION_S)._replace(faults=faults, claims=())
-    made = made._replace(plant=made.plant._replace(jitter_substeps=0, bias_s=0.1))
+    made = made._replace(plant=made.plant._replace(jitter_substeps=0, bias_s=0.5))
     run = load(bus, made, 1, "lockstep").run
     collector = Collector(bus)
     try:
@@ -76,7 +77,11 @@ def attempt(bus: Bus, *faults: Fault) -> Told | None:
         return None
     cuts = [(event.tick, GateCause(event.cause)) for event in events if event.tick > 0 and event.state == GateState.BURNED]
     status = cells.statuses(bus, cells.LOOP)
-    trace = None if cuts or any(fault.target.startswith("plant") for fault in faults) else collector.trace(run, 177)
+    trace = (
+        None
+        if cuts or any(fault.target.startswith("plant") for fault in faults)
+        else collector.trace(run, duration_ticks(DURATION_S, made.plant))
+    )
     return Told(cuts[:1], trace, len(opened) > 1, status)
 
 
