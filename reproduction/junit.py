@@ -24,6 +24,11 @@ def junit(report: Report) -> str:
             if CHAPTERS[made.figure.chapter] == chapter.title:
                 suite.add_testcases([_case(made, one, why) for one in made.tallies])
         xml.add_testsuite(suite)
+    return text(xml)
+
+
+def text(xml: JUnitXml) -> str:
+    """The file's text, with its sums."""
     xml.update_statistics()
     file = io.BytesIO()
     xml.write(file, pretty=True)
@@ -36,10 +41,10 @@ def _case(made: Result, one: Tally, why: dict[tuple[str, str], str]) -> TestCase
     if one.holds:
         return case
     reason = why[made.figure.name, one.claim.statement] or "unexplained"
-    text = f"stated: {band(one.claim)}\nmeasured: {measured(one)}\nsource: {one.claim.source}\nexplanation: {reason}"
+    told = f"stated: {band(one.claim)}\nmeasured: {measured(one)}\nsource: {one.claim.source}\nexplanation: {reason}"
     if made.tripped or made.gaps:
         case.result = [Error("; ".join((*made.tripped, *made.gaps)), "no verdict")]
     else:
         case.result = [Failure(f"{verdict(one)}: stated {band(one.claim)}, measured {measured(one)}", "claim")]
-    case.result[0].text = text
+    case.result[0].text = told
     return case

@@ -10,7 +10,7 @@ from shared.kernel import KERNEL_FOLDERS
 ROOT = Path(__file__).resolve().parent.parent
 SOURCES = {
     path.relative_to(ROOT).as_posix(): path
-    for folder in ("shared", "services", "rollout", "experiments", "analysis", "reproduction", "tuning")
+    for folder in ("shared", "services", "rollout", "experiments", "analysis", "reproduction", "tuning", "battery")
     for path in (ROOT / folder).rglob("*.py")
 }
 IMPURE = {
@@ -84,7 +84,9 @@ BELOW = {  # what each folder may import of ours, beside itself; a service: `sha
     "analysis": {"shared", "services", "experiments", "rollout"},
     "reproduction": {"shared", "services", "experiments", "rollout", "analysis"},
     "tuning": {"shared", "services", "experiments", "rollout"},
+    "battery": {"shared", "services", "experiments", "rollout", "reproduction"},
 }
+CELLS = ("services.operator.cell", "services.operator.session")  # what the battery takes of the operator: cells, not commands
 
 
 @pytest.mark.parametrize("name", sorted(SOURCES))
@@ -93,7 +95,8 @@ def test_imports_point_downwards(name):
     ours = roots(SOURCES[name]) & {*BELOW, "services", "tests"}
     if folder != "services":
         assert ours - {folder} <= BELOW[folder]
-        assert not {found for found in imports(SOURCES[name]) if found.startswith("services.operator")}
+        above = {found for found in imports(SOURCES[name]) if found.startswith("services.operator")} - {"services.operator"}
+        assert all(folder == "battery" and found.startswith(CELLS) for found in above)
     elif not rest.startswith("operator/"):
         service = rest.split("/")[0]
         foreign = {found for found in imports(SOURCES[name]) if found.startswith("services.") and found.split(".")[1] != service}

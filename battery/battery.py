@@ -1,0 +1,109 @@
+"""Plays the matrix: local trials and those in the cell one by one, the tests at the end, in one process of pytest."""
+
+from collections.abc import Callable, Iterable, Sequence
+from random import Random
+from typing import NamedTuple
+
+from battery.proofs import NO_TESTS, ROOT, ProofsError, prove
+from battery.rig import Rig
+from battery.tally import Result, Tried
+from battery.trial import Lived, Played, Proved, Row, Trial, Untried, Way
+from services.operator.cell import CellError
+
+QUICK = "left out by --quick"
+INTERRUPTED = "interrupted"
+
+
+class Wish(NamedTuple):
+    """What the command line asks for."""
+
+    trials: int
+    seed: int
+    quick: bool
+
+
+class Battery:
+    """Rows under way; what is complete stays, whatever ends it."""
+
+    def __init__(self, rows: Sequence[Row], rig: Rig, wish: Wish, show: Callable[[str, Trial | None], None]) -> None:
+        """`show` is told of every trial: its row and way, and what it showed (None: it begins)."""
+        self.rows, self.rig, self.wish, self.show = tuple(rows), rig, wish, show
+        self.tried: dict[tuple[str, int], Tried] = {}
+
+    def play(self) -> None:
+        """Everything. A KeyboardInterrupt leaves what is complete."""
+        proofs = []
+        for row in self.rows:
+            for place, way in enumerate(row.ways):
+                if isinstance(way, Proved):
+                    proofs.append((row, place, way))
+                else:
+                    self._try(row, place, way)
+        self._prove(proofs)
+
+    def results(self) -> tuple[Result, ...]:
+        """Every row, complete or not."""
+        return tuple(
+            Result(row, tuple(self.tried.get((row.number, i)) or Tried(w, (), INTERRUPTED) for i, w in enumerate(row.ways)))
+            for row in self.rows
+        )
+
+    def _try(self, row: Row, place: int, way: Way) -> None:
+        if isinstance(way, Untried):
+            self.tried[row.number, place] = Tried(way, (), way.words)
+        elif isinstance(way, Lived) and way.letter == "W" and self.wish.quick:
+            self.tried[row.number, place] = Tried(way, (), QUICK)
+        elif isinstance(way, Played | Lived):
+            for number in range(count(way, self.wish.trials)):
+                self.show(title(row, way), None)
+                self._add(row, place, way, self._trial(row, way, number))
+
+    def _trial(self, row: Row, way: Played | Lived, number: int) -> Trial:
+        if isinstance(way, Played):
+            return way.trial(self.wish.seed + number)
+        dice = Random(f"{self.wish.seed} {row.number} {way.words} {number}")
+        try:
+            trial = way.trial(self.rig, dice, number)
+        except CellError as error:  # a cell that does not do what it should has not survived
+            trial = Trial(False, str(error))
+        if way.whole:
+            self.rig.thaw()
+            self.rig.revive()
+        return trial
+
+    def _add(self, row: Row, place: int, way: Way, *trials: Trial) -> None:
+        before = self.tried.get((row.number, place)) or Tried(way, ())
+        self.tried[row.number, place] = before._replace(trials=before.trials + trials)
+        for trial in trials:
+            self.show(title(row, way), trial)
+
+    def _prove(self, proofs: list[tuple[Row, int, Proved]]) -> None:
+        if not (ROOT / "tests").is_dir():
+            for row, place, way in proofs:
+                self.tried[row.number, place] = Tried(way, (), NO_TESTS)
+            return
+        if not proofs:
+            return
+        self.show("tests", None)
+        try:
+            found = prove(test for _, _, way in proofs for test in way.tests)
+        except ProofsError as error:
+            found = {test: (Trial(False, str(error)),) for _, _, way in proofs for test in way.tests}
+        for row, place, way in proofs:
+            self._add(row, place, way, *(trial for test in way.tests for trial in found[test]))
+
+
+def title(row: Row, way: Way) -> str:
+    """A row and a way, briefly."""
+    return f"{row.number} {way.letter} {way.words}"
+
+
+def count(way: Way, trials: int) -> int:
+    """How many trials a way takes: its own most, or as many as asked for."""
+    return min(way.most, trials) if isinstance(way, Played | Lived) else 0
+
+
+def total(rows: Iterable[Row], wish: Wish) -> int:
+    """Trials of all rows, for a bar."""
+    ways = [way for row in rows for way in row.ways]
+    return sum(count(way, wish.trials) for way in ways if not (wish.quick and isinstance(way, Lived) and way.letter == "W"))
