@@ -66,6 +66,7 @@ class Battery:
             trial = way.trial(self.rig, dice, number)
         except CellError as error:  # a cell that does not do what it should has not survived
             trial = Trial(False, str(error))
+            self.rig.renew()
         if way.whole:
             self.rig.thaw()
             self.rig.revive()

@@ -6,11 +6,11 @@ withdrawn and latched.
 
 from collections.abc import Iterable
 
-from battery.trial import Row
-from battery.matrix_processes import PROCESSES
-from battery.matrix_wire import WIRE
 from battery.matrix_machine import MACHINE
 from battery.matrix_operator import OPERATOR
+from battery.matrix_processes import PROCESSES
+from battery.matrix_wire import WIRE
+from battery.trial import Row
 
 MATRIX: tuple[Row, ...] = (*PROCESSES, *WIRE, *MACHINE, *OPERATOR)
 

@@ -89,7 +89,8 @@ def stalled_s(heard: Heard, blow_ns: int) -> float:
     if not before or after is None:
         return 0.0
     wall_ns = after.arrival_ns - before[-1].arrival_ns
-    return max(0, wall_ns - (after.body.time_ns - before[-1].body.time_ns)) / NS_PER_S
+    simulated_ns: int = after.body.time_ns - before[-1].body.time_ns
+    return max(0, wall_ns - simulated_ns) / NS_PER_S
 
 
 def moved(heard: Heard, blow_ns: int) -> tuple[float, float]:

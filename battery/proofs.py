@@ -26,14 +26,14 @@ def prove(tests: Iterable[str]) -> dict[str, tuple[Trial, ...]]:
         line = [sys.executable, "-m", "pytest", "-q", "-p", "no:cacheprovider", f"--junitxml={report}", *wanted]
         done = subprocess.run(line, cwd=ROOT, capture_output=True, text=True, check=False)
         if not report.is_file() or done.returncode not in (0, 1):
-            raise ProofsError((done.stdout + done.stderr).strip().splitlines()[-1:] or ["pytest said nothing"])
+            raise ProofsError((done.stdout + done.stderr).strip().splitlines()[-1])
         return {test: trials_of(test, JUnitXml.fromfile(str(report))) for test in wanted}
 
 
 def trials_of(test: str, report: JUnitXml) -> tuple[Trial, ...]:
     """The cases of one node id; without any it has not held."""
-    path, _, name = test.partition("::")
-    place = path.removesuffix(".py").replace("/", ".")
+    path, *classes, name = test.split("::")
+    place = ".".join((path.removesuffix(".py").replace("/", "."), *classes))
     found = []
     for suite in report:
         for case in suite:

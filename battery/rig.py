@@ -1,6 +1,7 @@
 """The battery's own cell: brought up when first needed, made whole again after every trial, gone at the end."""
 
 import math
+import os
 import signal
 import time
 from collections.abc import Callable
@@ -17,11 +18,23 @@ from shared.bus import Bus
 from shared.topics import SERVICES
 
 PATIENCE_S = 5.0
+OBSERVER_PRIORITY = 60  # above the services: it works for microseconds a sample
 RETRIES = 3
 SETTLE_S = 0.3  # from tick 0 until the swing is under way
 PHASES_S = 0.6  # the blow falls anywhere in this stretch
+HOLD_EVERY_S, RECOVER_S = 0.05, 0.5  # a hold-to-run request is repeated, until the force is gone
 _POLL_S = 0.002
 Extra = dict[str, list[str]]
+
+
+def hear_promptly() -> bool:
+    """Real-time scheduling for every thread of this process, none for what it starts; False if the host refuses."""
+    try:
+        for thread in os.listdir("/proc/self/task"):
+            os.sched_setscheduler(int(thread), os.SCHED_FIFO | os.SCHED_RESET_ON_FORK, os.sched_param(OBSERVER_PRIORITY))
+    except OSError:
+        return False
+    return True
 
 
 class Rig:
@@ -35,6 +48,7 @@ class Rig:
         self._bus: Bus | None = None
         self._observer: Observer | None = None
         self.lease_ms = math.nan  # of the cell, once it is up
+        self.prompt = False  # whether the host schedules the observer before all others
 
     def __enter__(self) -> "Rig":
         """Nothing yet."""
@@ -53,6 +67,8 @@ class Rig:
             self._bus = self._stack.enter_context(cells.operator_bus(self.place))
             found = cells.await_ready(self.place, self._bus, self.processes)
             self.lease_ms = float(found["plant"]["lease_ms"])
+            if "--no-realtime" not in self.extra.get("plant", ()):
+                self.prompt = hear_promptly()
         return self._bus
 
     @property
@@ -77,7 +93,7 @@ class Rig:
         cells.await_ready(self.place, self.bus, self.processes)
 
     def calm(self) -> None:
-        """Disarmed and reset, whatever came before. Raises CellError with the last reason."""
+        """Disarmed and reset, whatever came before; a force that stands is unloaded first. Raises CellError."""
         deadline = time.monotonic() + PATIENCE_S
         while True:
             try:
@@ -88,7 +104,26 @@ class Rig:
             except cells.CellError:
                 if time.monotonic() > deadline:
                     raise
-                time.sleep(0.05)
+                self.recover(RECOVER_S)
+
+    def recover(self, seconds: float) -> int:
+        """Hold to run for so long, then release; where that is refused, only wait a moment. The instant of the release, in ns."""
+        until = time.monotonic() + seconds
+        while time.monotonic() < until:
+            answer = self.bus.ask("supervisor", "recover", {}, 1.0)
+            self.observer.listen_for(HOLD_EVERY_S)
+            if answer is None or not answer.accepted:
+                break
+        released_ns = time.monotonic_ns()
+        self.bus.ask("supervisor", "release", {}, 1.0)
+        return released_ns
+
+    def renew(self) -> None:
+        """A cell that a trial has left in disorder is ended, and a new one stands in its place."""
+        self.thaw()
+        cells.stop(process.pid for process in self.processes.values())
+        self.processes = cells.start(self.place, SERVICES, with_parent=True, extra=self.extra)
+        cells.await_ready(self.place, self.bus, self.processes)
 
     def started(self, experiment: Experiment, seed: int, clock: str = "real") -> int:
         """Load, arm and start; the number of the run. Raises CellError."""

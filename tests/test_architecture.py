@@ -126,3 +126,19 @@ def test_only_the_gatekeeper_and_the_end_of_the_process_write_to_the_device():
                 writers.append(name)
     assert set(writers) == {"services/plant/gatekeeper.py", "services/plant/service.py"}
     assert writers.count("services/plant/service.py") == 1
+
+
+LOOP = ("shared/", "services/plant/", "services/controller/", "services/supervisor/")
+WALL = {"time", "time_ns", "clock_gettime", "clock_gettime_ns", "localtime", "gmtime", "ctime", "now", "utcnow", "today"}
+
+
+def test_the_loop_reads_no_wall_clock():
+    """A clock that is stepped by an hour can have no effect on who never reads it."""
+    looked = [name for name in SOURCES if name.startswith(LOOP)]
+    assert "shared/bus.py" in looked and "services/plant/service.py" in looked
+    for name in looked:
+        assert not {"datetime", "time.time", "time.time_ns"} & imports(SOURCES[name]), name
+        for node in ast.walk(tree(SOURCES[name])):
+            if isinstance(node, ast.Attribute) and ast.unparse(node.value) in ("time", "datetime", "datetime.datetime"):
+                assert node.attr not in WALL, f"{name}: {ast.unparse(node)}"
+            assert not (isinstance(node, ast.Name | ast.Attribute) and "CLOCK_REALTIME" in ast.unparse(node)), name

@@ -91,7 +91,7 @@ def publish(plant: Bus) -> None:
 
 
 @pytest.mark.live
-@pytest.mark.parametrize("number", [signal.SIGTERM, signal.SIGINT])
+@pytest.mark.parametrize("number", [signal.SIGTERM, signal.SIGINT, signal.SIGHUP])
 def test_a_recorder_told_to_stop_leaves_a_whole_file(tmp_path: Path, number: signal.Signals):
     port = free_ports()
     with Bus("plant", "bench", port, 1) as plant:

@@ -69,7 +69,8 @@ def _play(
     from reproduction.report import machine
     from services.operator.cell import Place
 
-    wish, began, interrupted, again = Wish(*wished), time.perf_counter(), False, []
+    wish, began, interrupted = Wish(*wished), time.perf_counter(), False
+    again: list[str] = []
     made = datetime.now().astimezone().isoformat(" ", "seconds")
     columns = (TextColumn("{task.description}"), BarColumn(), MofNCompleteColumn(), TimeElapsedColumn())
     with Progress(*columns, console=console) as progress, Rig(Place(cell, port), extra, again.append) as rig:
@@ -87,9 +88,7 @@ def _play(
             interrupted = True
         lease_ms = rig.lease_ms
     results, took_s = battery.results(), time.perf_counter() - began
-    return Report(
-        results, wish.trials, wish.seed, lease_ms, interrupted, "", made, took_s, machine(), "", tuple(again)
-    )
+    return Report(results, wish.trials, wish.seed, lease_ms, interrupted, "", made, took_s, machine(), "", tuple(again))
 
 
 def _finish(report: "Report", json_file: Path | None, html: Path, junit_file: Path) -> None:

@@ -44,14 +44,7 @@ def load(bus: Bus, experiment: Experiment, seed: int, clock: str) -> Loaded:
     if supervisor["mode"] == Mode.TRIPPED.name:
         raise TrippedError(f"the rig has tripped: {supervisor['words']}; remove the cause, then `hydrohil reset`")
     run = secrets.randbits(_RUN_BITS)
-    envelope = seal(
-        to_plain(experiment),
-        run=run,
-        seed=seed,
-        clock=clock,
-        bias_ticks=bias_ticks(experiment.plant),
-        duration_ticks=duration_ticks(experiment.duration_s, experiment.plant),
-    )
+    envelope = sealed(experiment, run, seed, clock)
     answers = {service: ask(bus, service, "load", envelope=envelope) for service in LOOP}
     digests = {service: answer["digest"] for service, answer in answers.items()}
     if len(set(digests.values())) != 1:
@@ -59,6 +52,18 @@ def load(bus: Bus, experiment: Experiment, seed: int, clock: str) -> Loaded:
     for service in LOOP:
         ask(bus, service, "commit", digest=digests[service])
     return Loaded(run, tuple(map(str, answers["controller"].get("warnings") or ())))
+
+
+def sealed(experiment: Experiment, run: int, seed: int, clock: str) -> str:
+    """The text that every service loads."""
+    return seal(
+        to_plain(experiment),
+        run=run,
+        seed=seed,
+        clock=clock,
+        bias_ticks=bias_ticks(experiment.plant),
+        duration_ticks=duration_ticks(experiment.duration_s, experiment.plant),
+    )
 
 
 def arm(bus: Bus, timeout_s: float = 3.0) -> None:

@@ -38,7 +38,7 @@ def main(arguments: list[str] | None = None) -> int:
 
 
 def record(cell: str, port_base: int, folder: Path, rrd: Path | None = None, live_port: int | None = None) -> None:
-    """Record until SIGINT or SIGTERM. With `rrd` from the start into that file, else between `record` and `finish`."""
+    """Record until SIGINT, SIGTERM or SIGHUP. With `rrd` from the start into that file, else between `record` and `finish`."""
     from services.recorder.live import Live  # here: rerun takes 0.4 s to import
     from services.recorder.recorder import Recorder
 
@@ -95,9 +95,9 @@ def _text(arguments: dict[str, Any], name: str) -> str:
 
 
 def _stop_on_signals() -> threading.Event:
-    """Set on SIGINT and SIGTERM, so that the file is closed with its footer."""
+    """Set on SIGINT, SIGTERM and a closed terminal, so that the file is closed with its footer."""
     stop = threading.Event()
     if threading.current_thread() is threading.main_thread():
-        for number in (signal.SIGINT, signal.SIGTERM):
+        for number in (signal.SIGINT, signal.SIGTERM, signal.SIGHUP):
             signal.signal(number, lambda *_: stop.set())
     return stop

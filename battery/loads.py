@@ -1,0 +1,212 @@
+"""What must not matter to the loop (rows 6, 13, 16, 31): the way of a command with and without it, in one trial."""
+
+import os
+import resource
+import shutil
+import signal
+import subprocess
+import sys
+import tempfile
+import threading
+import time
+from collections.abc import Callable, Iterator, Sequence
+from contextlib import contextmanager, nullcontext, suppress
+from pathlib import Path
+from random import Random
+from statistics import median
+
+from battery.observer import Heard, safe, since, unsafe_after
+from battery.processes import WATCHED_S
+from battery.rig import Rig
+from battery.swings import motion
+from battery.trial import Trial
+from services.operator import cell as cells
+from shared.bus import Bus
+from shared.codec import Received
+from shared.messages import NO_TRIAL, Command, GateState
+
+QUIET_S, LOADED_S = 1.2, 1.2
+TURN_S = 0.25  # of load and of none, in turn
+ALLOWED = 1.1  # ratio of medians, beyond what two quiet stretches of the same trial already differ by
+REQUESTS_PER_S, FRAMES_PER_S = 100, 10_000
+FULL_SWING = Command((3276, 3276, 3276))
+
+
+def ways_ms(samples: Sequence[Received]) -> list[float]:
+    """From each sample to the gate's taking its command, by the plant's own clock."""
+    return [m.body.command_age_ns / 1e6 for m in samples if m.body.tick != NO_TRIAL and m.body.gate == GateState.OPEN]
+
+
+def same_timing(quiet: Sequence[float], loaded: Sequence[float]) -> tuple[bool, str]:
+    """Whether the median way is the same within what it differs by without any load, and both in words."""
+    if len(quiet) < 4 or len(loaded) < 4:
+        return False, "the gate was not open long enough to compare"
+    first, second = median(quiet[0::2]), median(quiet[1::2])
+    halves = median(quiet[: len(quiet) // 2]), median(quiet[len(quiet) // 2 :])
+    noise = max(first / second, second / first, halves[0] / halves[1], halves[1] / halves[0])
+    ratio = median(loaded) / median(quiet)
+    words = (
+        f"sample to accepted, median and worst: {median(quiet):.2f} and {max(quiet):.1f} ms without, {median(loaded):.2f} and "
+        f"{max(loaded):.1f} ms with: ratio {ratio:.2f}, allowed {ALLOWED * noise:.2f}"
+    )
+    return ratio <= ALLOWED * noise, words
+
+
+def unharmed(heard: Heard, quiet: Sequence[Received], loaded: Sequence[Received]) -> Trial:
+    """The trial ran on, with the same timing."""
+    same, words = same_timing(ways_ms(quiet), ways_ms(loaded))
+    cut = next((m.body for m in heard.gates if m.body.state == GateState.BURNED), None)
+    if cut is not None:
+        return Trial(False, f"the gate has cut (cause {cut.cause}); {words}")
+    return Trial(same, words)
+
+
+def recorder_struck(rig: Rig, dice: Random, number: int, how: str) -> Trial:
+    """Killed, frozen, or without room on its disk while it records."""
+    folder = Path(tempfile.mkdtemp(prefix="hydrohil-faults-"))
+    try:
+        return _without_recorder(rig, dice, number, how, folder / "run.rrd")
+    finally:
+        rig.bus.ask("recorder", "finish", {}, 5.0)
+        shutil.rmtree(folder, ignore_errors=True)
+
+
+def _without_recorder(rig: Rig, dice: Random, number: int, how: str, path: Path) -> Trial:
+    rig.await_(lambda: bool(rig.status("recorder")), "the recorder")
+    rig.ask("recorder", "record", path=str(path), title="faults", summary_markdown="")
+    rig.moving(motion(number), dice)
+    began_ns = time.monotonic_ns()
+    rig.observer.listen_for(QUIET_S)
+    blow_ns = time.monotonic_ns()
+    with _struck(rig, how, path):
+        heard = rig.observer.listen_for(LOADED_S)
+    if how == "killed":
+        rig.processes["recorder"].wait()
+    samples = since(heard.samples, began_ns)
+    quiet = [m for m in samples if m.arrival_ns < blow_ns]
+    return unharmed(heard, quiet, since(samples, blow_ns))
+
+
+@contextmanager
+def _struck(rig: Rig, how: str, path: Path) -> Iterator[None]:
+    recorder = rig.processes["recorder"]
+    if how == "killed":
+        recorder.kill()
+        yield
+    elif how == "frozen":
+        recorder.send_signal(signal.SIGSTOP)
+        yield
+        recorder.send_signal(signal.SIGCONT)
+    else:
+        with _full(recorder.pid, path.stat().st_size):
+            yield
+
+
+@contextmanager
+def _full(pid: int, size: int) -> Iterator[None]:
+    """No file of a process may grow beyond `size`: what a full disk does to a writer, without filling one."""
+    before = resource.prlimit(pid, resource.RLIMIT_FSIZE)
+    resource.prlimit(pid, resource.RLIMIT_FSIZE, (size, before[1]))
+    try:
+        yield
+    finally:
+        with suppress(ProcessLookupError):
+            resource.prlimit(pid, resource.RLIMIT_FSIZE, before)
+
+
+def requests(rig: Rig, dice: Random, number: int) -> Trial:
+    """100 status requests a second, to each service of the loop in turn."""
+    return _in_turns(rig, dice, number, lambda: _asking(rig))
+
+
+def _in_turns(rig: Rig, dice: Random, number: int, load: Callable[[], object]) -> Trial:
+    """Load and quiet in turn, so that what else the host does falls on both."""
+    rig.moving(motion(number), dice)
+    heard = rig.observer.heard
+    quiet: list[Received] = []
+    loaded: list[Received] = []
+    for turn in range(round((QUIET_S + LOADED_S) / TURN_S)):
+        from_ns = time.monotonic_ns()
+        with _background(load) if turn % 2 else nullcontext():
+            heard = rig.observer.listen_for(TURN_S)
+        (loaded if turn % 2 else quiet).extend(since(heard.samples, from_ns))
+    return unharmed(heard, quiet, loaded)
+
+
+@contextmanager
+def _background(step: Callable[[], object]) -> Iterator[None]:
+    """`step` again and again in a thread of its own."""
+    over = threading.Event()
+
+    def repeat() -> None:
+        while not over.is_set():
+            step()
+
+    thread = threading.Thread(target=repeat)
+    thread.start()
+    try:
+        yield
+    finally:
+        over.set()
+        thread.join()
+
+
+def _asking(rig: Rig) -> None:
+    for service in cells.LOOP:
+        rig.bus.ask(service, "status", {}, 1.0)
+        time.sleep(1.0 / REQUESTS_PER_S)
+
+
+def strangers(rig: Rig, dice: Random, number: int) -> Trial:
+    """10,000 valid frames a second of a foreign publisher that ask for full swing: counted, and nothing else."""
+    with cells.operator_bus(rig.place) as stranger:
+        rig.moving(motion(number), dice)
+        before = discarded(rig)
+        from_ns = time.monotonic_ns()
+        with _background(lambda: _burst(stranger)):
+            heard = rig.observer.listen_for(LOADED_S)
+        counted = discarded(rig) - before
+    samples = since(heard.samples, from_ns)
+    open_still = bool(samples) and samples[-1].body.gate == GateState.OPEN
+    swung = sum(FULL_SWING.dac_counts == m.body.dac_counts for m in samples)
+    words = f"{counted} foreign frames counted in {LOADED_S:g} s, {swung} of their commands at the D/A; {rig.words()}"
+    return Trial(open_still and counted > 0 and not swung, words)
+
+
+def _burst(stranger: Bus) -> None:
+    for _ in range(FRAMES_PER_S // 1000):
+        stranger.publish("controller/command", FULL_SWING)
+    time.sleep(0.001)
+
+
+def discarded(rig: Rig) -> int:
+    """Commands that the plant has discarded, whatever the cause."""
+    told = rig.status("plant")["reception"]["controller/command"]
+    return sum(value for name, value in told.items() if name == "sender")
+
+
+def hogged(rig: Rig, dice: Random, number: int) -> Trial:
+    """Twice as many processes that never rest as there are processors: it runs on, or the lease ends it safely."""
+    rig.moving(motion(number), dice)
+    count = 2 * len(os.sched_getaffinity(0))
+    blow_ns = time.monotonic_ns()
+    hogs = [subprocess.Popen([sys.executable, "-c", "while True: pass"]) for _ in range(count)]
+    try:
+        rig.observer.listen_for(WATCHED_S)
+    finally:
+        for hog in hogs:
+            hog.kill()
+            hog.wait()
+    heard = rig.observer.listen_for(WATCHED_S)
+    counters = rig.status("plant")["counters"]
+    resumed = unsafe_after(heard, blow_ns) if any(safe(m) for m in _cut(heard)) else 0
+    words = (
+        f"{count} hogs for {WATCHED_S:g} s: late {counters['late_commands']}, unanswered {counters['unanswered']}; {rig.words()}"
+    )
+    return Trial(resumed == 0, words + (f"; {resumed} samples with current after the cut" if resumed else ""))
+
+
+def _cut(heard: Heard) -> list[Received]:
+    """Samples from the gate's first cut on; none if it never cut."""
+    at_ns = next((m.arrival_ns for m in heard.gates if m.body.state == GateState.BURNED), None)
+    return [] if at_ns is None else since(heard.samples, at_ns)

@@ -1,0 +1,148 @@
+"""Rows 17 to 26: sensors, valves, limits, commands and parameters."""
+
+from functools import partial
+
+from battery.simulations import broken
+from battery.strikes import beyond_joint, beyond_workspace, gated, struck, struck_live
+from battery.trial import Lived, Played, Proved, Row, Untried
+from shared.faults import Fault
+
+JUMP_S, VALVE_S = 0.1, 0.2
+
+
+def _one(words: str, motion: str, kind: str, target: str, value: float, bound_s: float, periods: float = 0.0) -> Played:
+    """One fault in one motion; the bound is so many seconds and so many T."""
+    return Played(
+        words,
+        partial(
+            broken,
+            motion=motion,
+            faults=lambda at_s: (Fault(kind, target, at_s, 0.0, value),),
+            bound=lambda period_s: bound_s + periods * period_s,
+        ),
+    )
+
+
+MACHINE = (
+    Row(
+        "17",
+        "force reading out of range or saturated",
+        "invalid: safe; never read as zero",
+        "T",
+        (
+            _one("cable off (negative rail)", "press", "dropout", "force", 0.0, 0.0, 1.0),
+            _one("saturated by an offset", "swing", "offset", "force", 1000.0, 0.0, 1.0),
+            Proved(
+                "the limits of the gauge, at gate and supervisor",
+                (
+                    "tests/test_gate_conditions.py::test_just_past_its_limit_a_condition_cuts_to_zero_current_and_burns",
+                    "tests/test_supervisor_rules.py::test_a_rule_breaks_just_past_its_limit_and_tells_its_own_numbers",
+                ),
+            ),
+        ),
+    ),
+    Row(
+        "18",
+        "force reading frozen, too quiet to be true",
+        "safe",
+        "100 ms",
+        (
+            _one("stuck, in free space", "swing", "stuck", "force", 0.0, JUMP_S),
+            _one("stuck, in contact", "press", "stuck", "force", 0.0, JUMP_S),
+        ),
+    ),
+    Row(
+        "19",
+        "force reading offset, drift, gain error",
+        "safe once implausible",
+        "100 ms for a jump",
+        (
+            _one("a jump by 150 N in free space", "swing", "offset", "force", 150.0, JUMP_S),
+            _one("three times the force, in contact", "press", "gain", "force", 3.0, JUMP_S),
+        ),
+    ),
+    Row(
+        "20",
+        "force above its limit: the plate struck at full speed",
+        "the supervisor trips; the gate cuts by its own limit",
+        "2 T; the gate: its own latch",
+        (
+            Played("the supervisor's 334 N", struck),
+            Played("the gate's own limit, set below the supervisor's", gated),
+            Lived("struck live; overshoot told", struck_live, most=10),
+        ),
+    ),
+    Row("21", "force rate, time in contact, energy", "safe", "T", (Untried("no rule of this name yet"),)),
+    Row(
+        "22",
+        "encoder jump, stuck counter, dropout, wrap",
+        "invalid: safe",
+        "2 T; stuck: 200 ms",
+        (
+            _one("a jump of 200 counts", "swing", "offset", "encoder_down_up", 200.0, 0.0, 2.0),
+            _one("cable off", "swing", "dropout", "encoder_down_up", 0.0, 0.0, 2.0),
+            _one("the highest bit flips", "swing", "wrap", "encoder_down_up", 0.0, 0.0, 2.0),
+            _one("any code", "swing", "garbage", "encoder_down_up", 0.0, 0.0, 2.0),
+            _one("stuck", "swing", "stuck", "encoder_down_up", 0.0, VALVE_S),
+        ),
+    ),
+    Row(
+        "23",
+        "joint, workspace or speed limit; set-point outside the envelope",
+        "set-point shaped and said; beyond the limit: safe",
+        "T",
+        (
+            Played("a joint limit within the swing", beyond_joint),
+            Played("a workspace within the swing", beyond_workspace),
+            Proved(
+                "the set-point is shaped and said",
+                ("tests/test_controller_step.py::test_a_set_point_beyond_the_travel_is_clamped_and_reported",),
+            ),
+        ),
+    ),
+    Row(
+        "24",
+        "valve stuck, leak, supply lost, D/A stuck",
+        "current without motion, or motion against it: safe",
+        "200 ms",
+        (
+            _one("spool stuck", "swing", "stuck", "valve_down_up", 0.0, VALVE_S),
+            _one("supply lost", "swing", "drop", "supply", 1.0, VALVE_S),
+            _one("D/A stuck", "swing", "stuck", "dac_down_up", 0.0, VALVE_S),
+            _one("leak, 1000 times", "swing", "leak", "valve_down_up", 1000.0, VALVE_S),
+        ),
+    ),
+    Row(
+        "25",
+        "command out of range, beyond slew, no number",
+        "the gate refuses and writes zero; the supervisor trips",
+        "T",
+        (
+            Proved(
+                "every condition at its limit and just past it; a current that is no number stops",
+                (
+                    "tests/test_gate_conditions.py::test_a_command_may_move_by_the_slew_limit_and_not_by_one_more",
+                    "tests/test_gate_conditions.py::test_just_past_its_limit_a_condition_cuts_to_zero_current_and_burns",
+                    "tests/test_supervisor_step.py::test_a_gate_that_has_cut_trips",
+                    "tests/test_controller_step.py::test_a_current_that_is_no_number_stops_at_once",
+                ),
+            ),
+        ),
+    ),
+    Row(
+        "26",
+        "parameter out of bounds, or changed in contact",
+        "refused; nothing changes while armed",
+        "0",
+        (
+            Proved(
+                "a load is refused while armed or running, a value out of bounds before anything starts",
+                (
+                    "tests/test_supervisor_service.py::test_neither_load_nor_commit_is_taken_while_armed_or_running",
+                    "tests/test_supervisor_service.py::test_an_experiment_may_tighten_a_limit_and_not_widen_it",
+                ),
+            ),
+            Untried("no parameter can be changed while a trial runs: there is nothing to ramp"),
+        ),
+    ),
+)

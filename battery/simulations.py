@@ -1,0 +1,108 @@
+"""Faults on the local clock: the tick at which the D/A is at zero, counted from the tick at which the fault begins."""
+
+import math
+from collections.abc import Callable
+from random import Random
+from typing import NamedTuple
+
+import numpy as np
+import numpy.typing as npt
+
+from battery.swings import PRESS, SWING
+from battery.trial import Trial
+from experiments.experiment import Experiment
+from rollout.cell import Columns
+from rollout.rollout import Outcome, play_local
+from services.plant.config import GateLimits
+from services.plant.mechanism import posture, tip
+from services.supervisor.rules import trip_words
+from shared.faults import Fault
+from shared.messages import GateCause, Mode, TripCause
+from shared.units import NS_PER_S, SUBSTEP_S
+
+PLAYED_S = 6.0
+FIRST_S, LAST_S = 1.5, 3.5  # the fault begins somewhere between
+MOTIONS = {"swing": SWING, "press": PRESS}
+
+
+Bools = npt.NDArray[np.bool_]
+
+
+class Ended(NamedTuple):
+    """How a local trial came to zero current."""
+
+    row: int  # of the sample at whose latch the D/A is at zero; beyond the last = never
+    words: str
+
+
+def at(seed: int) -> float:
+    """When the fault of this seed begins, in s of the trial."""
+    return Random(seed).uniform(FIRST_S, LAST_S)
+
+
+def ended(outcome: Outcome) -> Ended:
+    """The row of zero current: where the supervisor trips, or the one before, at which the gate had cut."""
+    rows, watch, gate = len(outcome.rows.tick), outcome.supervisor, outcome.gate
+    if watch.mode != Mode.TRIPPED:
+        return Ended(rows, "nothing tripped")
+    if watch.cause == TripCause.GATE_CUT:
+        return Ended(rows - 2, f"the gate: {GateCause(gate.cause).name}")
+    return Ended(
+        rows - 1, f"the supervisor: {trip_words(TripCause(watch.cause), watch.measured, watch.limit, watch.trip_number)}"
+    )
+
+
+def period_s(experiment: Experiment) -> float:
+    """T."""
+    return experiment.plant.sample_period_substeps * SUBSTEP_S
+
+
+def first_row(rows: Columns, at_s: float) -> int:
+    """The first sample that has a fault of `at_s`."""
+    return int(np.searchsorted(rows.time_ns, round(at_s * NS_PER_S)))
+
+
+def broken(seed: int, motion: str, faults: Callable[[float], tuple[Fault, ...]], bound: Callable[[float], float]) -> Trial:
+    """`faults` of the instant at which they begin, in a trial of `motion`; `bound` of T, in s."""
+    at_s = at(seed)
+    experiment = MOTIONS[motion]._replace(duration_s=PLAYED_S, faults=faults(at_s))
+    outcome = play_local(experiment, seed)
+    return timed(experiment, outcome, first_row(outcome.rows, at_s), bound(period_s(experiment)))
+
+
+def timed(experiment: Experiment, outcome: Outcome, row: int, bound_s: float) -> Trial:
+    """From the sample of `row` to the latch at which the current is zero."""
+    rows, end = outcome.rows, ended(outcome)
+    if end.row < row:
+        return Trial(False, f"ended before its fault: {end.words}")
+    reached = min(end.row, len(rows.tick) - 1)
+    way_mm, force_n = moved(experiment, rows, row, reached)
+    if end.row >= len(rows.tick):
+        return Trial(False, end.words, bound_s=bound_s, moved_mm=way_mm, force_n=force_n)
+    reaction_s = float(rows.time_ns[end.row] - rows.time_ns[row] + outcome.latch_ns) / NS_PER_S
+    words = f"{end.row - row} samples after the first that has it; {end.words}"
+    return Trial(math.isnan(bound_s) or reaction_s <= bound_s, words, reaction_s, bound_s, 0.0, way_mm, force_n)
+
+
+def moved(experiment: Experiment, rows: Columns, row: int, end: int) -> tuple[float, float]:
+    """Largest way of the true tip (mm) and change of the true contact force (N) between two rows."""
+    machine = experiment.plant.machine
+    true = rows.true_q_rad[row : end + 1]
+    tips = [tip(posture(machine, (float(q[0]), float(q[1]), float(q[2])))) for q in true]
+    force = rows.contact_force_n[row : end + 1]
+    return max(1000.0 * math.dist(place, tips[0]) for place in tips), float(np.max(np.abs(force - force[0])))
+
+
+def crossed(
+    seed: int,
+    experiment: Experiment,
+    beyond: Callable[[Columns], Bools],
+    bound: Callable[[float], float],
+    limits: GateLimits | None = None,
+) -> Trial:
+    """From the first sample that is `beyond` a limit; the experiment itself leads there."""
+    outcome = play_local(experiment, seed, limits)
+    rows = np.flatnonzero(beyond(outcome.rows))
+    if not len(rows):
+        return Trial(False, f"the limit was never crossed: {ended(outcome).words}")
+    return timed(experiment, outcome, int(rows[0]), bound(period_s(experiment)))

@@ -1,0 +1,96 @@
+"""Motions that lead beyond a limit by themselves: the tool strikes the stiff plate at full speed, a link passes its limit."""
+
+from random import Random
+
+from battery.observer import since, zero_at
+from battery.operators import hop_s
+from battery.processes import WATCHED_S, confirmed, judged, period_s
+from battery.rig import Rig
+from battery.simulations import crossed
+from battery.swings import BIAS_S, SWING
+from battery.trial import Trial
+from experiments.chapter5 import TIP_Z_M, sampled
+from rollout.cell import Columns
+from services.controller.config import ControllerConfig, Segment
+from services.plant.config import GateLimits
+from services.plant.params import Environment
+from shared.converters import N_PER_FORCE_COUNT
+from shared.messages import NO_TRIAL, Mode
+
+PLATE_N_PER_M = 57.6e3  # the stiffest that the thesis measured with its gauge
+BELOW_M = 0.12  # far enough that the link is at full speed when it strikes
+STEP_RAD = 0.35
+STRUCK_S = 3.0
+GATE_N = 200.0  # a gate's limit below the supervisor's, so that the gate must act first and alone
+HIGH_RAD = 0.05
+LOW_Z_M = -0.42
+STRIKE = SWING._replace(
+    name="battery-strike",
+    alias="battery-strike",
+    title="The tool strikes the stiff plate at full speed",
+    duration_s=STRUCK_S,
+    plant=sampled(Environment(kind="plate", stiffness_n_per_m=PLATE_N_PER_M, surface_m=TIP_Z_M - BELOW_M))._replace(
+        bias_s=BIAS_S
+    ),
+    controller=ControllerConfig(target="joint"),
+    reference=(Segment("q2", "step", 0.5, amount=STEP_RAD),),
+)
+
+
+def struck(seed: int) -> Trial:
+    """From the first sample above the supervisor's limit of 334 N."""
+    limit_n = STRIKE.supervisor.force_limit_n
+    return crossed(seed, STRIKE, lambda rows: rows.force_counts * N_PER_FORCE_COUNT > limit_n + bias_n(rows), _two_periods)
+
+
+def bias_n(rows: Columns) -> float:
+    """Mean force while the valves are shut before the trial."""
+    return float(rows.force_counts[rows.tick < 0].mean()) * N_PER_FORCE_COUNT
+
+
+def gated(seed: int) -> Trial:
+    """From the first sample above the gate's own limit, which here lies below the supervisor's."""
+    limits = GateLimits(force_limit_n=GATE_N)
+    return crossed(seed, STRIKE, lambda rows: rows.force_counts * N_PER_FORCE_COUNT > GATE_N, _one_period, limits)
+
+
+def beyond_joint(seed: int) -> Trial:
+    """The swing passes a joint limit that is tightened to lie within it."""
+    high = (SWING.supervisor.joint_high_rad[0], HIGH_RAD, SWING.supervisor.joint_high_rad[2])
+    experiment = SWING._replace(duration_s=STRUCK_S, supervisor=SWING.supervisor._replace(joint_high_rad=high))
+    return crossed(seed, experiment, lambda rows: rows.q_rad[:, 1] > HIGH_RAD, _one_period)
+
+
+def beyond_workspace(seed: int) -> Trial:
+    """The tip leaves a workspace that is tightened to lie within its swing."""
+    low = (SWING.supervisor.workspace_low_m[0], SWING.supervisor.workspace_low_m[1], LOW_Z_M)
+    experiment = SWING._replace(duration_s=STRUCK_S, supervisor=SWING.supervisor._replace(workspace_low_m=low))
+    return crossed(seed, experiment, lambda rows: rows.x_m[:, 2] < LOW_Z_M, _one_period)
+
+
+def _one_period(period_s: float) -> float:
+    return period_s
+
+
+def _two_periods(period_s: float) -> float:
+    return 2.0 * period_s
+
+
+def struck_live(rig: Rig, dice: Random, number: int) -> Trial:
+    """The same with real processes: from the arrival of the first sample above the limit; the overshoot in N."""
+    rig.started(STRIKE, dice.randrange(1 << 32))
+    burned = int(rig.status("plant")["burned_armings"])
+    rig.await_(lambda: rig.status("supervisor").get("mode") == Mode.TRIPPED.name, "the over-force trip")
+    heard = rig.observer.listen_for(WATCHED_S)
+    limit_n = STRIKE.supervisor.force_limit_n
+    before = [m.body.force_counts for m in heard.samples if NO_TRIAL < m.body.tick < 0]
+    bias = N_PER_FORCE_COUNT * sum(before) / max(1, len(before))
+    above = [m for m in heard.samples if m.body.tick >= 0 and m.body.force_counts * N_PER_FORCE_COUNT - bias > limit_n]
+    if not above:
+        return Trial(False, "the plate was not struck hard enough")
+    trial = judged(heard, above[0].arrival_ns, 2.0 * period_s(STRIKE) + hop_s(heard))
+    peak_n = max(m.body.contact_force_n for m in heard.truths)
+    at_ns = zero_at(heard, above[0].arrival_ns) or above[0].arrival_ns
+    samples = sum(m.arrival_ns < at_ns for m in since(heard.samples, above[0].arrival_ns)) - 1
+    words = f"{trial.words}; zero {max(0, samples)} samples later; peak {peak_n:.0f} N, overshoot {peak_n - limit_n:.0f} N"
+    return confirmed(rig, trial._replace(words=words), burned, tripped=True)
