@@ -175,22 +175,22 @@ def play(
     for i in range(-setup.first_tick):
         trial_time_ns -= intervals[i] * SUBSTEP_NS
     ready = False
-    held = Held(((0, 0, 0, 0, 0), 0), 0, gate.codes)
+    held, at_valves = Held(((0, 0, 0, 0, 0), 0), 0), gate.codes
     for i in range(len(noise_n)):
         tick = setup.first_tick + i
         counts = faulty_sense(state, setup.machine, setup.contact, noise_n[i], faults, tick, held)
-        machine = faulty_machine(faults, tick, setup.machine)
+        held, machine = Held(counts, 1), faulty_machine(faults, tick, setup.machine)
         sample = sample_of(setup, gate, counts, i, time_ns, trial_time_ns)
         seen = truth(state, setup.machine, setup.contact, i, sample.tick)
         memory, codes, thought = control_step(memory, setup.control, table, sample)
         watch, permit = supervisor_step(watch, setup.supervise, sample, Asked(NOTHING, 0, True, ready, 0, Links(0, 0, 0)))
         ready = thought.ready == 1
         write_row(out, i, sample, codes, thought, permit, seen)
-        state = advance(state, machine, setup.contact, held.codes, setup.latch_substeps)
+        state = advance(state, machine, setup.contact, at_valves, setup.latch_substeps)
         force_n = sample.force_counts * setup.control.calibration.force_n_per_count
         gate = gate_step(gate, setup.limits, gate_input(setup, permit, watch.arming, sample, codes, force_n), True)
-        held = Held(counts, 1, faulty_codes(faults, tick, gate.codes, held))
-        state = advance(state, machine, setup.contact, held.codes, intervals[i] - setup.latch_substeps)
+        at_valves = faulty_codes(faults, tick, gate.codes, at_valves)
+        state = advance(state, machine, setup.contact, at_valves, intervals[i] - setup.latch_substeps)
         time_ns += intervals[i] * SUBSTEP_NS
         trial_time_ns += intervals[i] * SUBSTEP_NS
         if watch.mode != RUNNING:

@@ -6,6 +6,8 @@ from typing import Any, NamedTuple
 
 from pydantic import ConfigDict, TypeAdapter, ValidationError
 
+from shared.faults import Fault, Group, of_group, problem
+
 CLOCKS = ("real", "lockstep")
 _LARGEST = {"run": 2**63 - 1, "seed": 2**64 - 1, "bias_ticks": 10_000, "duration_ticks": 3_600_000}  # 10 s and 1 h at 1 kHz
 
@@ -57,9 +59,23 @@ def unseal(text: str) -> Envelope:
 
 def section(envelope: Envelope, name: str, kind: Any) -> Any:
     """Section `name` as a `kind`; raises ValueError with one line that names the field."""
+    return checked(envelope.experiment.get(name, {}), name, kind)
+
+
+def faults(envelope: Envelope, *groups: Group) -> tuple[Fault, ...]:
+    """The experiment's faults of these groups; raises ValueError with one line if any fault cannot be played on its clock."""
+    every: tuple[Fault, ...] = checked(envelope.experiment.get("faults", []), "faults", tuple[Fault, ...])
+    for number, fault in enumerate(every):
+        if what := problem(fault, envelope.clock):
+            raise ValueError(f"faults.{number}: {what}")
+    return of_group(every, *groups)
+
+
+def checked(plain: Any, name: str, kind: Any) -> Any:
+    """`plain` data as a `kind`; raises ValueError with one line that names the field."""
     try:
         adapter = TypeAdapter(kind, config=ConfigDict(allow_inf_nan=False))
-        return adapter.validate_json(json.dumps(envelope.experiment.get(name, {})), strict=True)
+        return adapter.validate_json(json.dumps(plain), strict=True)
     except ValidationError as error:
         first = error.errors()[0]
         where = ".".join(str(part) for part in (name, *first["loc"]))

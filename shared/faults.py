@@ -21,7 +21,7 @@ CONVERTERS = tuple(f"dac_{link}" for link in LINKS)
 PATHS = ("plant>controller", "plant>supervisor", "controller>plant", "controller>supervisor", "supervisor>plant")
 CUTS = ("plant-controller", "plant-supervisor", "controller-supervisor")  # both ways
 PROCESSES = ("plant", "controller", "supervisor", "recorder")
-COUNTED = ("messages", "processes")  # units that come whole
+COUNTED = ("counts", "messages", "processes")  # units that come whole
 FOR_EVER = 2**31  # later than any tick
 _EVERY, _ON_THE_BUS, _LIVE = ("local", "lockstep", "real"), ("lockstep", "real"), ("real",)
 

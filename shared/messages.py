@@ -238,6 +238,17 @@ class Passed(NamedTuple):
     number: int
 
 
+class FaultEvent(NamedTuple):
+    """A fault that was asked for begins or ends."""
+
+    number: int  # first sample with it, or first without
+    tick: int
+    acting: int  # 1 = it begins, 0 = it has ended
+    kind: str
+    target: str
+    value: float
+
+
 class Ask(NamedTuple):
     """A request to one service."""
 

@@ -25,7 +25,7 @@ def scene(made):
     timeline.substep = timeline.number = 0
     timeline.tick = NO_TRIAL
     emulator.watchdog(WATCHDOG)
-    emulator.load(PlantConfig(), 0, 0, 4096)
+    emulator.load(PlantConfig(), 0, 0, 4096, ())
     emulator.begin()
     return timeline, emulator
 
@@ -103,7 +103,7 @@ def test_a_trial_begins_at_its_declared_state_whatever_was_before(scene):
 
 def test_the_noise_of_a_trial_is_that_of_its_ticks(scene):
     timeline, emulator = scene
-    emulator.load(PlantConfig(environment=Environment("plate", surface_m=-0.5)), 3, -10, 20)
+    emulator.load(PlantConfig(environment=Environment("plate", surface_m=-0.5)), 3, -10, 20, ())
     emulator.begin()
     readings = []
     for number in (100, 200):
@@ -120,7 +120,7 @@ def test_the_noise_of_a_trial_is_that_of_its_ticks(scene):
 def test_nothing_compiles_after_the_emulator_is_made(scene, kind):
     timeline, emulator = scene
     compiled_for = list(emulator._advance.signatures)
-    emulator.load(PlantConfig(environment=Environment(kind=kind), sample_period_substeps=20), 5, -100, 300)
+    emulator.load(PlantConfig(environment=Environment(kind=kind), sample_period_substeps=20), 5, -100, 300, ())
     emulator.begin()
     timeline.tick, timeline.substep = 0, 16
     emulator.write(MOVING)

@@ -139,7 +139,7 @@ def test_the_emulator_given_the_same_codes_is_the_rollouts_machine(pressed):
     made, _, _, _, intervals = plain_parts(press(), 3)
     timeline = Timeline()
     emulator = Emulator(timeline, 400)
-    emulator.load(PLANT, 3, made.first_tick, len(intervals))
+    emulator.load(PLANT, 3, made.first_tick, len(intervals), ())
     emulator.begin()
     start = 0
     for i in range(len(pressed.rows.tick)):

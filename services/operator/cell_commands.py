@@ -70,7 +70,7 @@ def status(cell: CellName = "cell", port: Port = DEFAULT_PORT, as_json: AsJson =
 
     try:
         with cells.operator_bus(cells.Place(cell, port)) as bus:
-            _await_links(bus)
+            await_links(bus)
             found = cells.statuses(bus)
     except cells.CellError as error:
         raise fail(error, EXIT_TRANSPORT) from None
@@ -79,7 +79,7 @@ def status(cell: CellName = "cell", port: Port = DEFAULT_PORT, as_json: AsJson =
     else:
         table = Table("service", "state", "lost, discarded, counted against a link")
         for service in SERVICES:
-            table.add_row(service, _words(service, found.get(service)), _counts(found.get(service)))
+            table.add_row(service, _words(service, found.get(service)) + _faults(found.get(service)), _counts(found.get(service)))
         console.print(table)
     if not all(service in found for service in cells.LOOP):
         raise typer.Exit(EXIT_TRANSPORT)
@@ -94,7 +94,7 @@ def estop(cell: CellName = "cell", port: Port = DEFAULT_PORT) -> None:
 
     try:
         with cells.operator_bus(cells.Place(cell, port)) as bus:
-            _await_links(bus)
+            await_links(bus)
             at_gate = bus.ask("plant", "estop", {}, 1.0)
             bus.ask("supervisor", "estop", {}, 1.0)
     except cells.CellError as error:
@@ -117,7 +117,7 @@ def reset(cell: CellName = "cell", port: Port = DEFAULT_PORT) -> None:
 
     try:
         with cells.operator_bus(cells.Place(cell, port)) as bus:
-            _await_links(bus)
+            await_links(bus)
             cells.ask(bus, "plant", "reset")
             time.sleep(_SAMPLES_S)
             cells.ask(bus, "supervisor", "reset")
@@ -137,7 +137,7 @@ def recover(
 
     try:
         with cells.operator_bus(cells.Place(cell, port)) as bus:
-            _await_links(bus)
+            await_links(bus)
             until = time.monotonic() + seconds
             try:
                 while time.monotonic() < until:
@@ -158,14 +158,14 @@ def _request(cell: str, port: int, service: str, verb: str, done: str) -> None:
 
     try:
         with cells.operator_bus(cells.Place(cell, port)) as bus:
-            _await_links(bus)
+            await_links(bus)
             cells.ask(bus, service, verb)
     except cells.CellError as error:
         raise fail(error, EXIT_TRANSPORT) from None
     console.print(done)
 
 
-def _await_links(bus: Any, timeout_s: float = 1.0) -> None:
+def await_links(bus: Any, timeout_s: float = 1.0) -> None:
     """Links come up in the background; wait until the plant is seen or a second has passed."""
     deadline = time.monotonic() + timeout_s
     while time.monotonic() < deadline and "plant" not in bus.alive(0.2):
@@ -180,6 +180,14 @@ def _counts(found: dict[str, Any] | None) -> str:
         named = [f"{count} {name.replace('_', ' ')}" for name, count in counts.items() if name != "accepted"]
         lines += [f"{topic}: {', '.join(named)}"] * bool(named)
     return "\n".join(lines)
+
+
+def _faults(found: dict[str, Any] | None) -> str:
+    """What is broken on purpose, a line each."""
+    from services.operator.injection import words
+
+    told: dict[str, list[dict[str, Any]]] = (found or {}).get("faults", {})
+    return "".join(f"\n[yellow]fault {state}: {words(fault)}[/]" for state, faults in told.items() for fault in faults)
 
 
 def _words(service: str, found: dict[str, Any] | None) -> str:

@@ -12,6 +12,7 @@ import typer
 from services.operator.options import (
     AsJson,
     CellName,
+    Injected,
     Port,
     Settings,
     app,
@@ -78,7 +79,8 @@ def run(
     name: Annotated[str, typer.Argument(help="Name, alias, or a TOML file.")],
     clock: Annotated[str, typer.Option(help="real, lockstep or local.")] = "real",
     settings: Settings = None,
-    seed: Annotated[int, typer.Option(min=0, help="Of noise and jitter.")] = 0,
+    injected: Injected = None,
+    seed: Annotated[int, typer.Option(min=0, help="Of noise, jitter and faults.")] = 0,
     json_file: Annotated[Path | None, typer.Option("--json", help="Write the report.")] = None,
     trace_file: Annotated[Path | None, typer.Option("--trace", help="Write every sample (.npz).")] = None,
     rrd: Annotated[Path | None, typer.Option(help="Write a Rerun recording.")] = None,
@@ -91,10 +93,12 @@ def run(
 
     Exit status: 0 all claims hold, 1 a claim fails, 2 usage, 3 the rig tripped, 5 transport.
 
-    Examples: `hydrohil run fig-4-25 --clock local`, `hydrohil run fig-5-5 --rrd runs/static.rrd --seed 3`
+    Examples: `hydrohil run fig-4-25 --clock local`, `hydrohil run fig-5-5 --rrd runs/static.rrd --seed 3`,
+    `hydrohil run fig-5-5 --inject "stuck force at=1.0 for=0.5" --inject "drop supply value=0.5 at=2"`
     """
     from services.operator import cell as cells
     from services.operator import report as reports
+    from services.operator.injection import unplayable
     from services.operator.run import Wanted, run_experiment
 
     if clock not in ("real", "lockstep", "local"):
@@ -102,7 +106,9 @@ def run(
     if clock == "local" and rrd is not None:
         raise fail("--rrd needs a cell with a recorder: use --clock lockstep or real (--trace works on every clock)", EXIT_USAGE)
     make_folders(json_file, trace_file, rrd)
-    experiment = experiment_of(name, settings)
+    experiment = experiment_of(name, settings, injected)
+    if unplayed := unplayable(experiment.faults, clock):
+        raise fail("\n".join(unplayed), EXIT_USAGE)
     place = cells.Place(cell, port)
     wanted = Wanted(experiment, clock, seed, rrd, trace_file, service_options(permit_ttl_ms, realtime=realtime))
     try:
@@ -133,16 +139,17 @@ def view(recording: Annotated[Path | None, typer.Argument(help="A .rrd file; def
     os.execv(viewer, [str(viewer), str(chosen)])
 
 
-def experiment_of(name: str, settings: list[str] | None) -> Any:
-    """From a file or the library, with `--set` applied; exit 2 with one line a problem."""
+def experiment_of(name: str, settings: list[str] | None, injected: list[str] | None = None) -> Any:
+    """From a file or the library, with `--set` and `--inject` applied; exit 2 with one line a problem."""
     from experiments.errors import ExperimentError
     from experiments.experiment import from_toml
+    from experiments.injections import with_faults
     from experiments.library import find
     from experiments.overrides import with_overrides
 
     try:
         experiment = from_toml(Path(name)) if name.endswith(".toml") or os.sep in name else find(name)
-        return with_overrides(experiment, settings or [])
+        return with_faults(with_overrides(experiment, settings or []), injected or [])
     except ExperimentError as error:
         raise fail(_computed(name) or error, EXIT_USAGE) from None
 

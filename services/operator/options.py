@@ -28,12 +28,16 @@ Settings = Annotated[
     list[str] | None,
     typer.Option("--set", metavar="PATH=VALUE", help="Change one value, as TOML: controller.acting=[true,false,true]."),
 ]
+Injected = Annotated[
+    list[str] | None,
+    typer.Option("--inject", metavar="FAULT", help="Break something: 'KIND TARGET [value=V] [at=SECONDS] [for=SECONDS]'."),
+]
 AsJson = Annotated[bool, typer.Option("--json", help="Print JSON.")]
 
 
 def fail(message: object, status: int) -> typer.Exit:
     """One line on stderr; raise what is returned."""
-    errors.print(str(message), style="red")
+    errors.print(str(message), style="red", markup=False)
     return typer.Exit(status)
 
 

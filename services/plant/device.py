@@ -3,7 +3,10 @@
 from typing import NamedTuple, Protocol
 
 from services.plant.config import PlantConfig
+from shared.faults import Fault
 from shared.messages import NO_TRIAL, LinkCounts, Truth
+
+Faults = tuple[Fault, ...]
 
 
 class Reading(NamedTuple):
@@ -26,7 +29,10 @@ class Timeline:
 class Device(Protocol):
     """Converters and counters of one machine."""
 
-    def load(self, config: PlantConfig, seed: int, first_tick: int, ticks: int) -> None:
+    def refuses(self, faults: Faults) -> str:
+        """Why it cannot break like this, one line, "" if it can. A real machine is not broken by a program: it refuses all."""
+
+    def load(self, config: PlantConfig, seed: int, first_tick: int, ticks: int, faults: Faults) -> None:
         """Prepare for a trial; a real DAQ checks that it can."""
 
     def watchdog(self, substeps: int) -> None:
@@ -40,6 +46,15 @@ class Device(Protocol):
 
     def write(self, codes: LinkCounts) -> None:
         """Codes to the D/A now."""
+
+    def inject(self, fault: Fault) -> None:
+        """Break from the next sample on, `at_s` later; only what it does not refuse is asked."""
+
+    def clear(self) -> None:
+        """End what was injected."""
+
+    def faults(self) -> tuple[Faults, Faults]:
+        """Acting at the sample last read, and injected but not begun."""
 
     def truth(self) -> Truth | None:
         """What only an emulator knows."""

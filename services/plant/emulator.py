@@ -3,13 +3,19 @@
 from typing import Any
 
 from services.plant.config import PlantConfig
-from services.plant.device import Reading, Timeline
+from services.plant.device import Faults, Reading, Timeline
+from services.plant.faults import Held, Row
+from services.plant.faulty_actuators import faulty_codes, faulty_machine
+from services.plant.faulty_sensors import faulty_sense
+from services.plant.injection import Injection, clock
 from services.plant.machine import MachineState, advance, machine_start, sense, truth
 from services.plant.noise import force_noise_n
 from services.plant.params import contact_params
 from shared.converters import ZERO_CODE
+from shared.faults import Fault, of_group
 from shared.kernel import compiled
 from shared.messages import NO_TRIAL, LinkCounts, Truth
+from shared.units import SUBSTEP_NS
 
 _IDLE_NOISE_TICKS = 4096  # outside a trial the noise repeats after this many samples
 _ZERO: LinkCounts = (ZERO_CODE, ZERO_CODE, ZERO_CODE)
@@ -20,6 +26,7 @@ class Emulator:
 
     Only the sub-steps are compiled: reading once a sample costs less plain than a call into compiled code.
     Its D/A has the output watchdog that a DAQ needs: not written for `watchdog_substeps`, it goes to zero by itself.
+    Faults act from one reading to the next; without any it is the sound machine and nothing else.
     """
 
     def __init__(self, timeline: Timeline, watchdog_substeps: int) -> None:
@@ -28,7 +35,9 @@ class Emulator:
         self._advance: Any = compiled(advance)
         self._at = self._written_at = 0
         self._codes = _ZERO
-        self.load(PlantConfig(), 0, 0, _IDLE_NOISE_TICKS)
+        self._injection = Injection()
+        self._table: tuple[Row, ...] = ()
+        self.load(PlantConfig(), 0, 0, _IDLE_NOISE_TICKS, ())
         self.begin()
         self._advance(self._state, self._machine, self._contact, _ZERO, 1)
 
@@ -36,19 +45,27 @@ class Emulator:
         """Another lease was chosen."""
         self._watchdog = substeps
 
-    def load(self, config: PlantConfig, seed: int, first_tick: int, ticks: int) -> None:
-        """Prepare the noise and the initial state of a trial of `ticks` samples from `first_tick` on."""
+    def refuses(self, faults: Faults) -> str:
+        """An emulator can break in every way that the table of faults knows for sensors and actuators."""
+        of_machine = of_group(faults, "sensor", "actuator")
+        return "" if len(of_machine) == len(faults) else "the machine breaks its sensors and actuators alone"
+
+    def load(self, config: PlantConfig, seed: int, first_tick: int, ticks: int, faults: Faults) -> None:
+        """Prepare the noise, the faults and the initial state of a trial of `ticks` samples from `first_tick` on."""
         machine = config.machine
         contact = contact_params(config.environment)
         start = machine_start(machine, contact, config.initial_q_rad)
         noise = force_noise_n(seed, first_tick, ticks, machine.force_noise_sigma_n, machine.force_noise_clip_n)
         self._next = (machine, contact, start)
+        self._injection.schedule(faults, seed, config.sample_period_substeps * SUBSTEP_NS)
         self._first_tick, self._noise_n = first_tick, [float(value) for value in noise]
 
     def begin(self) -> None:
         """Stand at the declared initial state."""
         self._machine, self._contact, start = self._next
+        self._broken = self._machine
         self._state: MachineState = start
+        self._held = Held()
         self._codes = _ZERO
         self._at = self._written_at = self._timeline.substep
 
@@ -58,13 +75,34 @@ class Emulator:
         timeline = self._timeline
         index = timeline.tick - self._first_tick if timeline.tick != NO_TRIAL else timeline.number
         noise_n = self._noise_n[index % len(self._noise_n)]
-        encoders, force = sense(self._state, self._machine, self._contact, noise_n)
-        return Reading(encoders, force)
+        self._table, self._now = self._injection.at(timeline.number, timeline.tick), clock(timeline.number, timeline.tick)
+        if self._table:
+            self._broken = faulty_machine(self._table, self._now, self._machine)
+            readings = faulty_sense(self._state, self._machine, self._contact, noise_n, self._table, self._now, self._held)
+        else:
+            self._broken = self._machine
+            readings = sense(self._state, self._machine, self._contact, noise_n)
+        self._held = Held(readings, 1)
+        return Reading(*readings)
 
     def write(self, codes: LinkCounts) -> None:
         """Codes to the D/A at the timeline's sub-step."""
         self._play()
+        if self._table:
+            codes = faulty_codes(self._table, self._now, codes, self._codes)
         self._codes, self._written_at = codes, self._timeline.substep
+
+    def inject(self, fault: Fault) -> None:
+        """One fault by hand; `at_s` counts from the next sample."""
+        self._injection.inject(fault, self._timeline.number)
+
+    def clear(self) -> None:
+        """End what was injected by hand."""
+        self._injection.clear()
+
+    def faults(self) -> tuple[Faults, Faults]:
+        """Acting at the sample last read, and injected but not begun."""
+        return self._injection.acting, self._injection.waiting
 
     def truth(self) -> Truth:
         """What only an emulator knows, at the sub-step last read or written."""
@@ -82,5 +120,5 @@ class Emulator:
 
     def _run_to(self, substep: int) -> None:
         if substep > self._at:
-            self._state = self._advance(self._state, self._machine, self._contact, self._codes, substep - self._at)
+            self._state = self._advance(self._state, self._broken, self._contact, self._codes, substep - self._at)
             self._at = substep

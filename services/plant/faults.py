@@ -8,10 +8,8 @@ import math
 from typing import Any, NamedTuple
 
 from services.plant.noise import uniforms
-from shared.converters import ZERO_CODE
 from shared.faults import CONVERTERS, ENCODERS, FORCE, VALVES, Fault, ticks_of
 from shared.kernel import kernel
-from shared.messages import LinkCounts
 from shared.units import NS_PER_S
 
 STUCK, GARBAGE, DROPOUT, OFFSET, DRIFT, GAIN, NOISE, WRAP, SPOOL, LEAK, CONVERTER, SUPPLY = range(12)
@@ -20,7 +18,6 @@ COLUMNS = 6
 FORCE_CHANNEL = 3  # after the three encoders
 FIRST_SALT_CHANNEL = 16  # of the seed's generator: apart from noise and jitter
 WORD = 0xFFFFFFFF
-_ZERO = (ZERO_CODE, ZERO_CODE, ZERO_CODE)
 
 Row = tuple[float, float, float, float, float, float]
 Readings = tuple[tuple[int, int, int, int, int], int]  # encoder counters and counts of the gauge
@@ -31,7 +28,6 @@ class Held(NamedTuple):
 
     readings: Readings = ((0, 0, 0, 0, 0), 0)
     known: int = 0
-    codes: LinkCounts = _ZERO  # at the D/A's output
 
 
 _ACTIONS = {"garbage": GARBAGE, "dropout": DROPOUT, "offset": OFFSET, "drift": DRIFT, "gain": GAIN, "noise": NOISE} | {

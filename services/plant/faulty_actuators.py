@@ -3,7 +3,7 @@
 import math
 from typing import Any
 
-from services.plant.faults import ACTION, CHANNEL, CONVERTER, LEAK, SPOOL, SUPPLY, VALUE, Held, acts, put
+from services.plant.faults import ACTION, CHANNEL, CONVERTER, LEAK, SPOOL, SUPPLY, VALUE, acts, put
 from services.plant.params import LinkParams, MachineParams
 from shared.kernel import kernel
 from shared.messages import LinkCounts
@@ -15,14 +15,14 @@ _AFTER_SUPPLY = MachineParams._fields.index("supply_pressure_pa") + 1  # the fou
 
 
 @kernel
-def faulty_codes(table: Any, tick: int, codes: LinkCounts, held: Held) -> LinkCounts:
-    """Codes at the D/A's output when these are written."""
+def faulty_codes(table: Any, tick: int, codes: LinkCounts, standing: LinkCounts) -> LinkCounts:
+    """Codes at the D/A's output when `codes` are written to one that holds `standing`."""
     given = (codes[0], codes[1], codes[2])
     for i in range(len(table)):
         row = table[i]
         if row[ACTION] == CONVERTER and acts(row, tick):
             channel = int(row[CHANNEL])
-            given = put(given, channel, held.codes[channel])
+            given = put(given, channel, standing[channel])
     return given
 
 

@@ -9,18 +9,31 @@ from services.plant.config import PlantConfig
 from services.plant.trial import Schedule
 from shared.bus import Request, Run
 from shared.detour import conditions_of
-from shared.envelope import section, unseal
+from shared.envelope import checked, section, unseal
+from shared.faults import Fault, problem, ticks_of
 from shared.messages import GateCause
 from shared.realtime import follow
 from shared.reception import told
+from shared.units import SUBSTEP_NS
 
 if TYPE_CHECKING:
     from services.plant.service import Plant
 
 
+MOST_FAULTS = 32  # at once: each costs a few us a sample
+
+
 def answer(plant: "Plant", request: Request) -> None:
     """Answer one request."""
-    known = {"load": _load, "commit": _commit, "estop": _estop, "reset": _reset, "status": _status}
+    known = {
+        "load": _load,
+        "commit": _commit,
+        "estop": _estop,
+        "reset": _reset,
+        "inject": _inject,
+        "clear": _clear,
+        "status": _status,
+    }
     handler = known.get(request.verb)
     if handler is None:
         request.refuse(f"the plant knows no request {request.verb!r}; it knows {', '.join(known)}")
@@ -44,6 +57,8 @@ def _load(plant: "Plant", request: Request) -> None:
         schedule = Schedule(section(envelope, "plant", PlantConfig), envelope)
         about(schedule.config, plant.keeper.limits)
         conditions_of(envelope, "plant")
+        if refused := plant.device.refuses(schedule.faults):
+            raise ValueError(refused)
     except ValueError as error:
         return request.refuse(str(error))
     plant.pending = schedule
@@ -57,7 +72,7 @@ def _commit(plant: "Plant", request: Request) -> None:
     if _armed(plant):
         return request.refuse("a trial is armed or running: stop it first (`hydrohil stop`)")
     envelope = schedule.envelope
-    plant.device.load(schedule.config, envelope.seed, schedule.first_tick, schedule.ticks)
+    plant.device.load(schedule.config, envelope.seed, schedule.first_tick, schedule.ticks, schedule.faults)
     plant.schedule = schedule
     plant.bus.run = Run(envelope.run, envelope.digest, 0)
     plant.bus.impair(conditions_of(envelope, "plant"))
@@ -81,6 +96,31 @@ def _reset(plant: "Plant", request: Request) -> None:
     request.reply({})
 
 
+def _inject(plant: "Plant", request: Request) -> None:
+    """Break the machine from the next sample on, or `at_s` later."""
+    try:
+        fault: Fault = checked(request.arguments.get("fault"), "fault", Fault)
+        if what := problem(fault) or _not_now(fault) or plant.device.refuses((fault,)):
+            raise ValueError(what)
+    except ValueError as error:
+        return request.refuse(str(error))
+    acting, waiting = plant.device.faults()
+    if len(acting) + len(waiting) >= MOST_FAULTS:
+        return request.refuse(f"{MOST_FAULTS} faults act or wait already: end them first (`hydrohil inject --clear`)")
+    plant.device.inject(fault)
+    return request.reply({"number": plant.timeline.number + ticks_of(fault, plant.schedule.period * SUBSTEP_NS)[0] + 1})
+
+
+def _not_now(fault: Fault) -> str:
+    return "" if fault.at_s >= 0.0 else f"begins {fault.at_s:g} s from now, expected 0 or later"
+
+
+def _clear(plant: "Plant", request: Request) -> None:
+    """End what was injected by hand; a trial's own faults end with it."""
+    plant.device.clear()
+    request.reply({})
+
+
 def _status(plant: "Plant", request: Request) -> None:
     keeper = plant.keeper
     values: dict[str, Any] = plant.status()
@@ -94,6 +134,10 @@ def _status(plant: "Plant", request: Request) -> None:
             "last_cut": GateCause(keeper.last_cut).name,
             "burned_armings": len(keeper.burned),
             "estop": keeper.estop,
+            "faults": {
+                name: [fault._asdict() for fault in found]
+                for name, found in zip(("acting", "waiting"), plant.device.faults(), strict=True)
+            },
             "experiment": plant.bus.run.experiment.hex(),
             "run": plant.bus.run.run,
             "reception": told((keeper.commands, keeper.permits)),

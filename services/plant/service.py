@@ -1,13 +1,14 @@
 """The plant's process: samples on a grid, drains the bus at the latch, lets the gate decide, writes to the device."""
 
 import time
+from collections import Counter
 from collections.abc import Callable
 from typing import Any
 
 from services.plant.about import about
 from services.plant.config import GateLimits, PlantConfig
 from services.plant.counters import Counters
-from services.plant.device import Device, Timeline
+from services.plant.device import Device, Faults, Timeline
 from services.plant.gatekeeper import Gatekeeper
 from services.plant.lease import UNCHOSEN, LeaseChoice
 from services.plant.requests import answer
@@ -16,7 +17,7 @@ from shared.bus import Bus
 from shared.clock import SLACK_NS, Grid
 from shared.codec import Received
 from shared.converters import ZERO_CODE
-from shared.messages import NO_TRIAL, Mode, Sample, Truth
+from shared.messages import NO_TRIAL, FaultEvent, Mode, Sample, Truth
 from shared.reception import due
 from shared.units import SUBSTEP_NS
 
@@ -45,6 +46,7 @@ class Plant:
         self.due = 0  # sub-step of the next sample
         self._trial_zero_ns = 0
         self._truth: Truth | None = None
+        self._faults: Faults = ()
 
     def run(self) -> None:
         """Until told to stop; leaves the valves at zero."""
@@ -121,10 +123,21 @@ class Plant:
         self._follow_permit()
         if self._truth is not None:  # after the latch: the command's way is free until then
             self.bus.publish("plant/truth", self._truth, (self.timeline.number, self.due * SUBSTEP_NS))
+        self._tell_faults()
         if due(self.timeline.number, self.schedule.period * SUBSTEP_NS):
             self.keeper.tell_reception()
         self.due += self.schedule.interval(self.timeline.tick)
         self.timeline.number += 1
+
+    def _tell_faults(self) -> None:
+        """Each fault that has begun or ended with this sample."""
+        before, self._faults = self._faults, self.device.faults()[0]
+        if before == self._faults:
+            return
+        for acting, changed in ((0, Counter(before) - Counter(self._faults)), (1, Counter(self._faults) - Counter(before))):
+            for fault in changed.elements():
+                event = FaultEvent(self.timeline.number, self.timeline.tick, acting, fault.kind, fault.target, fault.value)
+                self.bus.publish("plant/fault", event, (self.timeline.number, self.due * SUBSTEP_NS))
 
     def _count(self) -> None:
         """What was in time is decided here, at the latch's drain, and nowhere else."""

@@ -2,7 +2,8 @@
 
 from services.plant.config import PlantConfig, bias_ticks, latch_substeps
 from services.plant.noise import sample_intervals
-from shared.envelope import Envelope
+from shared.envelope import Envelope, faults
+from shared.faults import Fault
 from shared.messages import NO_COMMAND, NO_TRIAL
 from shared.units import SUBSTEP_NS
 
@@ -18,9 +19,11 @@ class Schedule:
         self.first_tick = -bias_ticks(config)
         self.first_sample = NO_COMMAND
         self.ticks = 0
+        self.faults: tuple[Fault, ...] = ()  # of the machine
         self._intervals: list[int] = []
         if envelope is not None:
             self.ticks = envelope.duration_ticks - self.first_tick
+            self.faults = faults(envelope, "sensor", "actuator")
             drawn = sample_intervals(envelope.seed, self.first_tick, self.ticks, self.period, config.jitter_substeps)
             self._intervals = [int(value) for value in drawn]
         self.bias_ns = sum(self._intervals[: -self.first_tick]) * SUBSTEP_NS

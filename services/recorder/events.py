@@ -4,7 +4,7 @@ from typing import Literal, NamedTuple
 
 from services.recorder.gaps import Counted
 from shared.codec import Header, Rejected
-from shared.messages import NO_COMMAND, GateCause, GateEvent, GateState, InboxCounts, Mode, Permit, TripCause
+from shared.messages import NO_COMMAND, FaultEvent, GateCause, GateEvent, GateState, InboxCounts, Mode, Permit, TripCause
 
 Level = Literal["INFO", "WARN", "ERROR"]
 
@@ -29,6 +29,12 @@ def gate_event(event: GateEvent) -> Event:
     level: Level = "ERROR" if event.state == GateState.BURNED else "WARN"
     words = f"gate {_word(GateState, event.state)}: {_word(GateCause, event.cause)}"
     return Event("gate", level, f"{words}, {event.measured:g} against {event.limit:g}, sample {event.number}")
+
+
+def fault_event(event: FaultEvent, service: str) -> Event:
+    """A fault that was asked for."""
+    what = f"{event.kind} {event.target}" + (f" {event.value:g}" if event.value else "")
+    return Event(service, "WARN", f"fault {'begins' if event.acting else 'ends'}: {what}, sample {event.number}")
 
 
 def permit_events(before: Permit | None, now: Permit) -> list[Event]:
