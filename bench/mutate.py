@@ -1,4 +1,4 @@
-"""Mutation test of the gate, the rules and the mode machine: every small change must fail a test.
+"""Mutation test of the gate, the rules, the mode machine and the protection: every small change must fail a test.
 
 Each mutant is run plain (nothing is compiled) against the tests of its module; survivors are printed.
 `python bench/mutate.py [module ...]`; exit status 1 if any mutant survives.
@@ -22,8 +22,17 @@ TESTS = {
     "services/supervisor/force_rules.py": ["tests/test_supervisor_rules.py"],
     "services/supervisor/motion_rules.py": ["tests/test_supervisor_rules.py"],
     "services/supervisor/transport_rules.py": ["tests/test_supervisor_rules.py"],
+    "services/supervisor/link_rules.py": ["tests/test_supervisor_rules.py"],
+    "services/supervisor/answers.py": ["tests/test_supervisor_answers.py"],
     "services/supervisor/observe.py": ["tests/test_supervisor_observe.py"],
     "services/supervisor/modes.py": ["tests/test_supervisor_modes.py"],
+    "services/plant/mailbox.py": ["tests/test_plant_mailbox.py"],
+    "services/plant/ledger.py": ["tests/test_plant_ledger.py"],
+    "services/plant/lease.py": ["tests/test_plant_lease.py"],
+    "shared/acceptance.py": ["tests/test_shared_acceptance.py"],
+    "shared/codec.py": ["tests/test_shared_codec.py"],
+    "shared/protection.py": ["tests/test_shared_protection.py"],
+    "shared/reception.py": ["tests/test_shared_reception.py"],
 }
 COMPARISONS: dict[type[ast.cmpop], tuple[type[ast.cmpop], ...]] = {
     ast.Lt: (ast.LtE, ast.Gt),
@@ -115,7 +124,7 @@ def _test(module: str, tree: ast.Module) -> int:
     sys.modules[name] = made
     setattr(importlib.import_module(parent), own, made)
     exec(compile(tree, module, "exec"), made.__dict__)
-    return int(pytest.main(["-x", "-q", "-p", "no:cacheprovider", "-k", "not compiled", *TESTS[module]]))
+    return int(pytest.main(["-x", "-q", "-p", "no:cacheprovider", "-k", "not compiled and not of_its_own", *TESTS[module]]))
 
 
 def main(chosen: list[str]) -> int:

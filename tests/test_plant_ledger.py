@@ -1,5 +1,6 @@
 import pytest
 
+from services.plant.gate import NO_COMMAND_SEEN, NO_PERMIT_SEEN
 from services.plant.ledger import IMPOSSIBLE, Ledger
 
 
@@ -11,12 +12,13 @@ def test_an_age_is_what_passed_on_the_plants_own_clock():
 
 
 @pytest.mark.parametrize(
-    ("number", "time_ns", "now"), [(8, 31_500_000, 5000), (6, 31_500_000, 5000), (7, 31_500_001, 5000), (7, 31_500_000, 999)]
+    ("number", "time_ns", "now"),
+    [(8, 31_500_000, 5000), (6, 31_500_000, 5000), (7, 31_500_001, 5000), (7, 31_500_000, 999), (7, 31_500_000, 0)],
 )
 def test_an_echo_that_equals_no_issued_sample_exactly_is_impossible(number, time_ns, now):
     ledger = Ledger()
     ledger.issue(7, 31_500_000, 1000)
-    assert ledger.age(number, time_ns, now) == IMPOSSIBLE < 0
+    assert ledger.age(number, time_ns, now) == IMPOSSIBLE == NO_PERMIT_SEEN.age_ns == NO_COMMAND_SEEN.age_ns == -1
 
 
 def test_nothing_is_possible_before_the_first_sample():

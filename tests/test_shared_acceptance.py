@@ -107,3 +107,10 @@ def test_what_is_taken_is_increasing_within_an_epoch_and_no_epoch_returns(frames
         numbers = [seq for e, seq in passed if e == epoch]
         assert numbers == sorted(set(numbers))
     assert acceptance.accepted + sum(acceptance.discarded.values()) == len(frames)
+
+
+def test_before_the_first_frame_nothing_is_counted_and_nobody_is_bound():
+    fresh = Acceptance()
+    counts = (fresh.lost, fresh.accepted, fresh.other_run, fresh.link_faults, fresh.rivals, fresh.discarded)
+    assert counts == (0, 0, 0, 0, 0, {})
+    assert fresh.bound is None

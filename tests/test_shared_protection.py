@@ -4,7 +4,7 @@ from wire_scene import command_body, header
 
 from shared.acceptance import Acceptance
 from shared.codec import Received, Rejected
-from shared.protection import LinkSeen, Protection, ProtectionLimits, ProtectionMemory, protection_step, worst
+from shared.protection import FAULTS_PER_S, LinkSeen, Protection, ProtectionLimits, ProtectionMemory, protection_step, worst
 
 SECOND = 1_000_000_000
 LIMITS = ProtectionLimits()
@@ -72,6 +72,20 @@ def test_a_watch_tells_each_fault_once_and_for_a_second():
     acceptance.take(frame(0, epoch=2))
     acceptance.take(frame(2))
     assert watch.look(SECOND + 11) == LinkSeen(faults=0, rivals=2)
+    acceptance.take(frame(3))
+    assert watch.look(2 * SECOND + 10) == LinkSeen(faults=0, rivals=3)
+    assert watch.look(2 * SECOND + 11) == LinkSeen(faults=0, rivals=1)
+
+
+def test_what_came_before_the_first_look_counts():
+    acceptance = Acceptance()
+    for message in (frame(0), frame(0), frame(0, epoch=2)):
+        acceptance.take(message)
+    assert Protection(acceptance, LIMITS).look(0) == LinkSeen(faults=1, rivals=1)
+
+
+def test_one_a_second_is_borne():
+    assert (FAULTS_PER_S, LIMITS.window_ns) == (1, SECOND)
 
 
 def test_faults_of_different_links_are_not_added():

@@ -6,7 +6,7 @@ from shared.kernel import kernel
 
 WINDOW = 100  # samples; two whole numbers of 50 bits each, so that neither ever reaches the sign
 _HALF = 50
-_MASK = (1 << _HALF) - 1
+_FULL = 1 << _HALF
 
 
 class Answers(NamedTuple):
@@ -21,7 +21,7 @@ class Answers(NamedTuple):
 @kernel
 def answers_step(answers: Answers, lost: int, in_time: bool) -> Answers:
     """One sample more, and the `lost` ones before it, of which nobody can say that they were answered."""
-    for _ in range(min(max(lost, 0), WINDOW)):
+    for _ in range(min(lost, WINDOW)):
         answers = _shift(answers, 1)
     return _shift(answers, 0 if in_time else 1)
 
@@ -31,8 +31,8 @@ def _shift(answers: Answers, missed: int) -> Answers:
     leaving = (answers.older >> (_HALF - 1)) & 1
     carried = (answers.newer >> (_HALF - 1)) & 1
     return Answers(
-        ((answers.newer << 1) & _MASK) | missed,
-        ((answers.older << 1) & _MASK) | carried,
+        (answers.newer << 1) % _FULL + missed,
+        (answers.older << 1) % _FULL + carried,
         answers.missed + missed - leaving,
         (answers.in_a_row + 1) * missed,
     )
