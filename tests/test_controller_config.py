@@ -86,7 +86,7 @@ def test_kernel_parameters_hold_floats_even_where_ints_were_written():
         gains=(UNIMATE_GAINS[0]._replace(kp_a_per_rad=5), *UNIMATE_GAINS[1:]),
         impedance=ImpedanceConfig(mass_kg=1, stiffness_n_per_m=4, damping_ratio=1),
         recover_current_a=(0, 0, 0),
-        adaptation=AdaptationConfig("stiffness", 20, 100, 20, 1, 100, 2),
+        adaptation=AdaptationConfig("stiffness", 20, 100, 20, 1, 100, 1000, 2),
     )
     params = controller_params(config, ABOUT, -444)
     assert all(type(value) is float for gains in params.gains for value in gains)

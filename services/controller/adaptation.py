@@ -4,10 +4,11 @@ All see the same excess: 0 below an onset, 1 where the force reaches the ceiling
 
 * stiffness: the excess melts the spring, k' = -rate excess k; below the onset it freezes again, k' = (k_0 - k) / release.
 * offset: the excess draws the position set-point away from the surface, o' = speed excess; below the onset o' = -o / release.
-* limit switch: a stop behind the gauge engages at the onset and pushes the model away from the surface with stop excess,
-  a nonlinear spring without memory.
+* limit switch: a stop behind the gauge, a spring with a damper, engages at the onset; it pushes the model away from the
+  surface with stop excess and brakes its motion with d x', without memory.
 
-Mass and damping stay; so do the axes across the gauge's.
+The mass stays, and so does the damping ratio: c = 2 xi sqrt(m k) melts with the square root of k, since the damper too
+presses on the surface, with c xd'. The axes across the gauge's stay as they are.
 """
 
 import math
@@ -24,7 +25,7 @@ from services.controller.params import (
 from shared.kernel import kernel
 from shared.pose import Triple
 
-LEAST_SHARE = 0.01  # of the target stiffness: a model without any spring has no place to return to
+LEAST_SHARE = 0.1  # of the target stiffness: it leaves a third of the damping, and a spring that brings the model back
 
 
 @kernel
@@ -51,20 +52,34 @@ def relief_step(relief: float, adaptation: AdaptationParams, excess: float, dt_s
 
 
 @kernel
-def melted(params: ImpedanceParams, relief: float) -> ImpedanceParams:
-    """The target with the share `relief` of its stiffness gone; m and c = 2 xi sqrt(m k) are kept."""
-    share = 1.0 - relief
-    root = math.sqrt(share) if share > 0.0 else math.nan
+def retuned(params: ImpedanceParams, stiffness_n_per_m: float, wn_rad_per_s: float, xi: float) -> ImpedanceParams:
+    """`params` with another spring, natural frequency and damping ratio."""
     return ImpedanceParams(
-        params.stiffness_n_per_m * share,
-        params.natural_frequency_rad_per_s * root,
-        params.damping_ratio / root,
+        stiffness_n_per_m,
+        wn_rad_per_s,
+        xi,
         params.force_gain,
         params.force_axis,
         params.force_sign,
         params.environment_n_per_m,
         params.formulation,
     )
+
+
+@kernel
+def melted(params: ImpedanceParams, relief: float) -> ImpedanceParams:
+    """The target with the share `relief` of its stiffness gone; m and xi are kept."""
+    share = 1.0 - relief
+    root = math.sqrt(share) if share > 0.0 else math.nan
+    wn = params.natural_frequency_rad_per_s * root
+    return retuned(params, params.stiffness_n_per_m * share, wn, params.damping_ratio)
+
+
+@kernel
+def braked(params: ImpedanceParams, damping_ns_per_m: float) -> ImpedanceParams:
+    """The target with `damping_ns_per_m` beside its c; m and k are kept:  xi + d wn / (2 k)."""
+    k, wn = params.stiffness_n_per_m, params.natural_frequency_rad_per_s
+    return retuned(params, k, wn, params.damping_ratio + damping_ns_per_m * wn / (2.0 * k))
 
 
 @kernel
@@ -91,22 +106,54 @@ def with_relief(state: ImpedanceState, relief: float) -> ImpedanceState:
 
 
 @kernel
-def melted_step(
-    state: ImpedanceState, params: ImpedanceParams, nominal_m: Triple, force_error_n: float, dt_s: float
+def split_step(
+    state: ImpedanceState,
+    params: ImpedanceParams,
+    adapted: ImpedanceParams,
+    nominal_m: Triple,
+    force_error_n: float,
+    dt_s: float,
 ) -> tuple[ImpedanceState, Triple]:
-    """`impedance_step` with what is left of the stiffness along the gauge's axis, and all of it across.
+    """`impedance_step` with the `adapted` target along the gauge's axis, and with `params` across.
 
-    The stiffness of a sample holds for the whole interval; position and velocity of the model go on from there.
+    The target of a sample holds for the whole interval; position and velocity of the model go on from there.
     """
     axis = params.force_axis
     across, x_across = impedance_step(state, params, nominal_m, force_error_n, dt_s)
-    along, x_along = impedance_step(state, melted(params, state.relief), nominal_m, force_error_n, dt_s)
+    along, x_along = impedance_step(state, adapted, nominal_m, force_error_n, dt_s)
     position_m = spliced(across.position_m, along.position_m, axis)
     velocity_m_per_s = spliced(across.velocity_m_per_s, along.velocity_m_per_s, axis)
     new = ImpedanceState(
         position_m, velocity_m_per_s, nominal_m, along.force_offset_m, along.force_velocity_m_per_s, state.relief
     )
     return new, spliced(x_across, x_along, axis)
+
+
+@kernel
+def stopped_step(
+    state: ImpedanceState,
+    params: ImpedanceParams,
+    adaptation: AdaptationParams,
+    excess: float,
+    nominal_m: Triple,
+    force_error_n: float,
+    dt_s: float,
+) -> tuple[ImpedanceState, Triple]:
+    """`impedance_step` against the engaged stop:  m x'' + c (x' - xd') + d x' + k (x - xd) = f + stop excess.
+
+    `impedance_step` would let a step of xd kick through d as through c; the stop's other end stands, so that is taken back.
+    """
+    axis, d, wn = params.force_axis, adaptation.stop_ns_per_m, params.natural_frequency_rad_per_s
+    kick = d * wn * wn / params.stiffness_n_per_m * (nominal_m[axis] - state.nominal_m[axis])  # d/m dx_d
+    standing = ImpedanceState(
+        state.position_m,
+        along_axis(state.velocity_m_per_s, axis, -kick),
+        state.nominal_m,
+        state.force_offset_m,
+        state.force_velocity_m_per_s,
+        state.relief,
+    )
+    return split_step(standing, params, braked(params, d), nominal_m, force_error_n + adaptation.stop_n * excess, dt_s)
 
 
 @kernel
@@ -124,9 +171,11 @@ def adapted_step(
         return impedance_step(state, params, nominal_m, force_error_n, dt_s)
     excess = force_excess(adaptation, force_n)
     if adaptation.kind == ADAPT_LIMIT_SWITCH:
-        return impedance_step(state, params, nominal_m, force_error_n + adaptation.stop_n * excess, dt_s)
+        if excess == 0.0:
+            return impedance_step(state, params, nominal_m, force_error_n, dt_s)
+        return stopped_step(state, params, adaptation, excess, nominal_m, force_error_n, dt_s)
     relieved = with_relief(state, relief_step(state.relief, adaptation, excess, dt_s))
     if adaptation.kind == ADAPT_OFFSET:
         away_m = along_axis(nominal_m, params.force_axis, params.force_sign * relieved.relief)
         return impedance_step(relieved, params, away_m, force_error_n, dt_s)
-    return melted_step(relieved, params, nominal_m, force_error_n, dt_s)
+    return split_step(relieved, params, melted(params, relieved.relief), nominal_m, force_error_n, dt_s)

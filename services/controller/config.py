@@ -106,8 +106,9 @@ class AdaptationConfig(NamedTuple):
     onset_n: Annotated[float, Ge(0), Le(1e4)] = 20.0  # up to it the target is left alone: twice the noise is contact for certain
     ceiling_n: Annotated[float, Gt(0), Le(1e4)] = 100.0  # contact force at which the gains below act in full
     melting_per_s: Annotated[float, Ge(0), Le(1e3)] = 30.0  # stiffness: relative rate of its fall
-    retreat_m_per_s: Annotated[float, Ge(0), Le(10)] = 0.5  # offset: speed of the set-point away from the surface
-    stop_n: Annotated[float, Ge(0), Le(1e4)] = 100.0  # limit switch: push of the stop
+    retreat_m_per_s: Annotated[float, Ge(0), Le(10)] = 0.7  # offset: speed of the set-point away from the surface
+    stop_n: Annotated[float, Ge(0), Le(1e4)] = 800.0  # limit switch: push of the stop
+    stop_ns_per_m: Annotated[float, Ge(0), Le(1e6)] = 12e3  # limit switch: damping of the engaged stop
     release_s: Annotated[float, Gt(0), Le(1e3)] = 2.5  # stiffness, offset: time constant of their return
 
 

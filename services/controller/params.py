@@ -118,6 +118,7 @@ class AdaptationParams(NamedTuple):
     melting_per_s: float  # relative rate at which the stiffness falls at the ceiling
     retreat_m_per_s: float  # speed at which the set-point leaves the surface at the ceiling
     stop_n: float  # push of the stop at the ceiling
+    stop_ns_per_m: float  # damping of the model's motion while the stop is engaged
     release_s: float  # time constant of the return below the onset
 
 
