@@ -18,7 +18,7 @@ import zenoh
 
 from shared.acceptance import Acceptance
 from shared.codec import WIRE_VERSION, Header, Received, Rejected, decode, encode
-from shared.detour import FOREVER_NS, Conditions, Detour, Passage
+from shared.detour import FOREVER_NS, Conditions, Detour, Passage, idle
 from shared.messages import NO_COMMAND, Answer, Ask
 from shared.protection import Protection, ProtectionLimits
 from shared.topics import ANSWER, ASK, BY_KEY, Topic, expression
@@ -75,11 +75,10 @@ class Inbox:
         self._wake()
 
     def impair(self, conditions: Conditions) -> None:
-        """Let faults act on this topic, if any of `conditions` touches it; what is under way of the same trial stays so."""
-        if not conditions.touches(self.topic):
-            self.detour = None
-        elif self.detour is None or self.detour.conditions is not conditions:
-            self.detour = Detour(self.topic, conditions, self._decode)
+        """Let faults act on this topic, if any of `conditions` touches it; what is under way of the same load stays so."""
+        if self.detour is not None and self.detour.conditions is conditions:
+            return
+        self.detour = Detour(self.topic, conditions, self._decode) if conditions.touches(self.topic) else None
 
     def peek(self) -> Received | Rejected | None:
         """The newest frame, left where it is; for progress, never for control."""
@@ -104,6 +103,11 @@ class Inbox:
     def take(self, simulated_ns: int = FOREVER_NS) -> list[Received]:
         """Everything valid that has come, in order; the rest is counted in `acceptance`."""
         return [taken for message in self.drain(simulated_ns) if (taken := self.acceptance.take(message)) is not None]
+
+    @property
+    def number(self) -> int:
+        """Sample that the newest frame taken is, answers or judges."""
+        return NO_COMMAND if self.acceptance.bound is None else self.acceptance.bound.echo_number
 
     def passages(self) -> list[Passage]:
         """Samples that arrived in lockstep since the last call and did not come as they should."""
@@ -149,7 +153,7 @@ class Bus:
         self.run = Run()
         self.requests_seen: deque[Any] = deque(maxlen=RING)
         self.waits_for_room = False  # instead of dropping: in lockstep nothing may be lost to a slow reader
-        self.conditions: Conditions | None = None
+        self.conditions = idle(service)
         self._inboxes: list[Inbox] = []
         self._port_base = port_base
         self._lock = threading.Lock()

@@ -12,12 +12,13 @@ from typing import NamedTuple
 from shared.codec import Received, Rejected
 from shared.envelope import Envelope, section
 from shared.faults import Fault, of_group, problem
-from shared.impairment import SAMPLE, Active, Fate, Route, fate, flip, on_path, paths_of, route_of, toll
+from shared.impairment import SAMPLE, Active, Fate, Route, both, fate, fate_now, flip, on_path, paths_of, route_of
 from shared.messages import NO_COMMAND, NO_TRIAL, Passed
 from shared.topics import Topic
 from shared.units import SUBSTEP_NS
 
 Frame = Received | Rejected
+Acting = dict[str, tuple[Active, ...]]  # by path
 FOREVER_NS = 1 << 62
 _PERIOD = 90  # sub-steps: the plant's default, for a load that does not say
 
@@ -72,63 +73,93 @@ def come(queue: Queue, now_ns: int) -> tuple[Queue, tuple[Held, ...]]:
 
 
 class Conditions:
-    """The transport faults of one trial as one service knows them, and where the trial stands."""
+    """The transport faults that one service knows: a trial's by its ticks, those injected by hand by the plant's samples."""
 
     def __init__(
         self, service: str, faults: tuple[Fault, ...], *, seed: int, period: int, ticks: tuple[int, int], lockstep: bool
     ) -> None:
         """`period` in sub-steps; `ticks` are the trial's first and the one after its last."""
         self.service, self.lockstep = service, lockstep
+        self.by_hand: tuple[tuple[Fault, int], ...] = ()  # with the sample after which it was injected
+        self.number, self.tick = NO_COMMAND, NO_TRIAL  # of the newest sample
         self._seed, self._period, self._ticks = seed, period, ticks
         self._zero: int | None = None  # number of the sample of tick 0
-        self.tick = NO_TRIAL
-        self._routes: dict[str, Route] = {}
-        self._acting: dict[str, tuple[Active, ...]] = {}
+        self._routes: dict[tuple[str, bool], Route] = {}
+        self._in_trial: Acting = {}
+        self._injected: Acting = {}
         for path in {path for fault in faults for path in paths_of(fault)}:
-            self._acting[path] = on_path(path, faults, period * SUBSTEP_NS)
+            self._in_trial[path] = on_path(path, faults, period * SUBSTEP_NS)
 
-    def add(self, fault: Fault) -> None:
-        """From the next tick on, for as long as it lasts."""
+    def inject(self, by_hand: tuple[tuple[Fault, int], ...]) -> None:
+        """Let these act, and no others that were injected before."""
+        self.by_hand, self._injected = by_hand, {}
         self._routes.clear()
-        begins = fault._replace(at_s=(self.tick + 1) * self._period * SUBSTEP_NS * 1e-9)
-        for path in paths_of(fault):
-            self._acting[path] = self._acting.get(path, ()) + on_path(path, (begins,), self._period * SUBSTEP_NS)
+        for fault, after in by_hand:
+            for path in paths_of(fault):
+                found = on_path(path, (fault,), self._period * SUBSTEP_NS)
+                moved = (one._replace(begin=one.begin + after + 1, end=one.end + after + 1) for one in found)
+                self._injected[path] = (*self._injected.get(path, ()), *moved)
 
     def touches(self, topic: Topic) -> bool:
         """Whether anything acts on a topic's way to this service; word of what a fault took always comes through."""
-        return topic.message is not Passed and any(leg.faults for leg in self.route(topic).legs)
+        if topic.message is Passed:
+            return False
+        return any(leg.faults for by_hand in (False, True) for leg in self._route(topic, by_hand=by_hand).legs)
 
-    def route(self, topic: Topic) -> Route:
-        """The topic's way to this service."""
-        if topic.key not in self._routes:
-            self._routes[topic.key] = route_of(topic, self.service, self._seed, self._period, self._acting)
-        return self._routes[topic.key]
+    def fate(self, topic: Topic, number: int, *, answers: bool) -> Fate:
+        """What becomes of a message: of one that answers sample `number`, or of one that is sent now."""
+        tick = self.tick_of(number) if answers else self.tick
+        meets = fate if answers else fate_now
+        found = meets(self._route(topic, by_hand=False), tick) if tick != NO_TRIAL else Fate()
+        if not self.by_hand:
+            return found
+        return both(found, meets(self._route(topic, by_hand=True), number if answers else self.number))
+
+    def _route(self, topic: Topic, *, by_hand: bool) -> Route:
+        if (topic.key, by_hand) not in self._routes:
+            acting = self._injected if by_hand else self._in_trial
+            route = route_of(topic, self.service, self._seed, self._period, acting)
+            self._routes[topic.key, by_hand] = route._replace(legs=route.legs[-1:]) if by_hand else route
+        return self._routes[topic.key, by_hand]
 
     def see(self, number: int, tick: int) -> None:
         """A sample was issued, or has arrived."""
-        self.tick = tick
+        self.number, self.tick = number, tick
         self._zero = None if tick == NO_TRIAL else number - tick
 
     def tick_of(self, number: int) -> int:
-        """Tick of a sample's number; NO_TRIAL where no fault acts."""
+        """Tick of a sample's number; NO_TRIAL where no fault of the trial acts."""
         tick = number - self._zero if self._zero is not None and number != NO_COMMAND else NO_TRIAL
         return tick if self._ticks[0] <= tick < self._ticks[1] else NO_TRIAL
 
 
-def conditions_of(envelope: Envelope, service: str) -> Conditions:
-    """The transport faults of a load as `service` meets them; raises ValueError for a fault that its clock cannot play."""
+def idle(service: str) -> Conditions:
+    """Before anything is loaded."""
+    return Conditions(service, (), seed=0, period=_PERIOD, ticks=(0, 0), lockstep=False)
+
+
+def conditions_of(envelope: Envelope, before: Conditions) -> Conditions:
+    """The transport faults of a load as a service meets them, with what was injected `before` by hand.
+
+    Raises ValueError for a fault that the load's clock cannot play.
+    """
     faults: tuple[Fault, ...] = section(envelope, "faults", tuple[Fault, ...]) if "faults" in envelope.experiment else ()
     for fault in faults:
         if what := problem(fault, envelope.clock):
             raise ValueError(what)
-    return Conditions(
-        service,
+    if before.by_hand and envelope.clock == "lockstep":
+        raise ValueError("transport faults that were injected still act, and lockstep has none: `hydrohil inject --clear`")
+    made = Conditions(
+        before.service,
         of_group(faults, "transport"),
         seed=envelope.seed,
         period=_period(envelope),
         ticks=(-envelope.bias_ticks, envelope.duration_ticks),
         lockstep=envelope.clock == "lockstep",
     )
+    made.see(before.number, before.tick)
+    made.inject(before.by_hand)
+    return made
 
 
 def _period(envelope: Envelope) -> int:
@@ -166,7 +197,7 @@ class Detour:
         answers = header.echo_number > self.newest  # otherwise it is sent again, or on change: what acts now acts on it
         self.newest = max(self.newest, header.echo_number)
         tick = conditions.tick_of(header.echo_number) if answers else conditions.tick
-        found = self._fate(tick, answers=answers)
+        found = conditions.fate(self._topic, header.echo_number, answers=answers)
         since_ns = self._since_ns(message, now_ns if not answers else header.echo_time_ns, tick)
         release_ns = since_ns + (found.delay if self._paces else found.own) * SUBSTEP_NS
         coming = self._decode(flip(frame, found.flipped), message.arrival_ns) if found.flipped >= 0.0 else message
@@ -177,15 +208,6 @@ class Detour:
                 self._queue = slip_in(self._queue, coming, release_ns)
         if is_sample and answers and conditions.lockstep:
             self._pass(header.echo_number, header.echo_time_ns, tick, found)
-
-    def _fate(self, tick: int, *, answers: bool) -> Fate:
-        if tick == NO_TRIAL:
-            return Fate()
-        route = self.conditions.route(self._topic)
-        if answers:
-            return fate(route, tick)
-        own = toll(route, tick)
-        return Fate(own.lost, False, own.delay, own.delay, own.copies, own.flipped)
 
     def _since_ns(self, message: Received, simulated_ns: int, tick: int) -> int:
         """The instant from which a delay counts; 0 where nobody waits."""
@@ -217,5 +239,4 @@ class Detour:
 
     def delay_ns(self, number: int) -> int:
         """Simulated time from a sample to the coming of its answer."""
-        tick = self.conditions.tick_of(number)
-        return 0 if tick == NO_TRIAL else fate(self.conditions.route(self._topic), tick).delay * SUBSTEP_NS
+        return self.conditions.fate(self._topic, number, answers=True).delay * SUBSTEP_NS

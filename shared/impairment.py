@@ -137,6 +137,24 @@ def _take(toll_: Toll, fault: Active, drawn: float, period: int) -> Toll:
     return toll_
 
 
+def both(one: Fate, other: Fate) -> Fate:
+    """What becomes of a message that meets two sets of faults."""
+    return Fate(
+        one.lost or other.lost,
+        one.overtaken or other.overtaken,
+        one.delay + other.delay,
+        one.own + other.own,
+        one.copies + other.copies - 1,
+        max(one.flipped, other.flipped),
+    )
+
+
+def fate_now(route: Route, tick: int) -> Fate:
+    """What becomes of a message that answers no new sample: what acts now on the last leg, acts on it."""
+    own = toll(route, tick)
+    return Fate(own.lost, False, own.delay, own.delay, own.copies, own.flipped)
+
+
 @lru_cache(_REMEMBERED)
 def fate(route: Route, tick: int) -> Fate:
     """What becomes of the message of `tick`."""

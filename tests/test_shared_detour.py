@@ -6,7 +6,7 @@ from wire_scene import CELL, command_body, header, permit_body
 
 from shared.bus import RING, Inbox
 from shared.codec import encode
-from shared.detour import FOREVER_NS, Conditions, conditions_of
+from shared.detour import FOREVER_NS, Conditions, conditions_of, idle
 from shared.envelope import seal, unseal
 from shared.faults import Fault
 from shared.messages import NO_TRIAL
@@ -152,7 +152,7 @@ def test_in_real_a_late_frame_waits_on_the_wall_clock_and_the_wake_up_is_known()
 
 def load(faults, clock="lockstep"):
     text = seal({"faults": faults}, run=1, seed=1, clock=clock, bias_ticks=8, duration_ticks=100)
-    return conditions_of(unseal(text), "plant")
+    return conditions_of(unseal(text), idle("plant"))
 
 
 def test_a_load_with_a_fault_that_its_clock_cannot_play_is_refused():
@@ -164,11 +164,20 @@ def test_a_load_with_a_fault_that_its_clock_cannot_play_is_refused():
         load([kill | {"kind": "explode"}], "real")
 
 
-def test_a_fault_of_a_rig_that_runs_begins_with_the_next_tick():
+def test_lockstep_is_refused_while_something_injected_acts():
+    before = idle("plant")
+    before.inject(((Fault("loss", "controller>plant", value=0.1), 7),))
+    with pytest.raises(ValueError, match="inject --clear"):
+        conditions_of(unseal(seal({}, run=1, seed=1, clock="lockstep", bias_ticks=8, duration_ticks=100)), before)
+    kept = conditions_of(unseal(seal({}, run=1, seed=1, clock="real", bias_ticks=8, duration_ticks=100)), before)
+    assert kept.by_hand == before.by_hand
+
+
+def test_what_is_injected_by_hand_begins_with_the_next_sample_in_a_trial_or_outside():
     scene = Scene("controller/command", "plant", lockstep=False)
     assert scene.inbox.detour is None
-    scene.conditions.see(ZERO_NUMBER + 4, 4)
-    scene.conditions.add(Fault("burst", "controller>plant", value=2.0))
+    scene.conditions.see(ZERO_NUMBER + 4, NO_TRIAL)
+    scene.conditions.inject(((Fault("burst", "controller>plant", value=2.0), ZERO_NUMBER + 4),))
     scene.inbox.impair(scene.conditions)
     for tick in range(4, 9):
         scene.put(tick)

@@ -3,6 +3,7 @@
 from types import SimpleNamespace
 
 from shared.bus import RING, Inbox, Run
+from shared.detour import idle
 from shared.codec import WIRE_VERSION, Header, encode
 from shared.messages import Command, ControllerState, Mode, Permit
 from shared.topics import BY_KEY, expression
@@ -40,7 +41,7 @@ class FakeBus:
         self.published = []
         self.inboxes = {}
         self.waits_for_room = False
-        self.conditions = None
+        self.conditions = idle("supervisor")
 
     def subscribe(self, key, depth=RING):
         self.inboxes[key] = Inbox(BY_KEY[key], CELL, depth, lambda: None)

@@ -16,6 +16,7 @@ from shared.codec import Received
 from shared.detour import Passage, conditions_of
 from shared.envelope import Envelope, section, unseal
 from shared.messages import About, Command, GateState, Passed
+from shared.live_faults import LiveFaults
 from shared.process import options_of, parser, serve
 from shared.realtime import follow
 from shared.reception import due, reception, told
@@ -30,7 +31,7 @@ class Controller:
 
     def __init__(self, bus: Bus) -> None:
         """Nothing loaded: track."""
-        self.bus = bus
+        self.bus, self.faults = bus, LiveFaults(bus)
         self.samples, self.abouts = bus.subscribe("plant/sample"), bus.subscribe("plant/about")
         self.about: About | None = None
         self.config, self.first_tick = IDLE, _NO_FIRST_TICK
@@ -68,6 +69,7 @@ class Controller:
         """One sample in, one command and one state out."""
         if self.about is None:
             return
+        self.faults.spend()
         began_ns = time.perf_counter_ns()
         sample, header = message.body, message.header
         self.memory, codes, thought = control_step(self.memory, self.params, self.table, sample)
@@ -94,6 +96,8 @@ class Controller:
             self._commit(request)
         elif request.verb == "status":
             request.reply(self.status())
+        elif request.verb in ("inject", "clear"):
+            self.faults.answer(request, self.samples.number)
         else:
             request.refuse(f"the controller knows no request {request.verb!r}")
 
@@ -107,7 +111,7 @@ class Controller:
             plant = envelope.experiment["plant"]
             met = surroundings(plant)
             check(config, reference, tuple(plant["initial_q_rad"]), plant["machine"]["q4_rad"], met)
-            conditions_of(envelope, "controller")
+            conditions_of(envelope, self.bus.conditions)
         except (ValueError, LookupError, TypeError, ArithmeticError) as error:  # [plant] is read as it came
             return request.refuse(str(error))
         self.pending = (envelope, config, reference)
@@ -120,7 +124,7 @@ class Controller:
         self.first_tick = -envelope.bias_ticks
         self._prepare()
         self.bus.run = Run(envelope.run, envelope.digest, 0)
-        self.bus.impair(conditions_of(envelope, "controller"))
+        self.bus.impair(conditions_of(envelope, self.bus.conditions))
         self.bus.waits_for_room = envelope.clock == "lockstep"
         follow(envelope.clock)
         gc.collect()
@@ -130,6 +134,7 @@ class Controller:
         """What an operator wants to know."""
         return {
             "pid": os.getpid(),
+            "injected": self.faults.acting(),
             "ready": self.about is not None and self.answered > 0,
             "law": self.config.law,
             "target": self.config.target,

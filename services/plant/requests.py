@@ -10,7 +10,7 @@ from services.plant.trial import Schedule
 from shared.bus import Request, Run
 from shared.detour import conditions_of
 from shared.envelope import checked, section, unseal
-from shared.faults import Fault, problem, ticks_of
+from shared.faults import Fault, problem, row_of, ticks_of
 from shared.messages import GateCause
 from shared.realtime import follow
 from shared.reception import told
@@ -56,7 +56,7 @@ def _load(plant: "Plant", request: Request) -> None:
         envelope = unseal(str(request.arguments.get("envelope")))
         schedule = Schedule(section(envelope, "plant", PlantConfig), envelope)
         about(schedule.config, plant.keeper.limits)
-        conditions_of(envelope, "plant")
+        conditions_of(envelope, plant.bus.conditions)
         if refused := plant.device.refuses(schedule.faults):
             raise ValueError(refused)
     except ValueError as error:
@@ -75,7 +75,7 @@ def _commit(plant: "Plant", request: Request) -> None:
     plant.device.load(schedule.config, envelope.seed, schedule.first_tick, schedule.ticks, schedule.faults)
     plant.schedule = schedule
     plant.bus.run = Run(envelope.run, envelope.digest, 0)
-    plant.bus.impair(conditions_of(envelope, "plant"))
+    plant.bus.impair(conditions_of(envelope, plant.bus.conditions))
     plant.bus.waits_for_room = schedule.lockstep
     follow(envelope.clock)
     gc.collect()
@@ -97,9 +97,11 @@ def _reset(plant: "Plant", request: Request) -> None:
 
 
 def _inject(plant: "Plant", request: Request) -> None:
-    """Break the machine from the next sample on, or `at_s` later."""
+    """Break the machine from the next sample on, or `at_s` later; or the ways to this service, or its pace."""
     try:
         fault: Fault = checked(request.arguments.get("fault"), "fault", Fault)
+        if not problem(fault) and row_of(fault).group in ("transport", "process"):
+            return plant.faults.answer(request, plant.timeline.number)
         if what := problem(fault) or _not_now(fault) or plant.device.refuses((fault,)):
             raise ValueError(what)
     except ValueError as error:
@@ -118,6 +120,7 @@ def _not_now(fault: Fault) -> str:
 def _clear(plant: "Plant", request: Request) -> None:
     """End what was injected by hand; a trial's own faults end with it."""
     plant.device.clear()
+    plant.faults.clear()
     request.reply({})
 
 
@@ -134,6 +137,7 @@ def _status(plant: "Plant", request: Request) -> None:
             "last_cut": GateCause(keeper.last_cut).name,
             "burned_armings": len(keeper.burned),
             "estop": keeper.estop,
+            "injected": plant.faults.acting(),
             "faults": {
                 name: [fault._asdict() for fault in found]
                 for name, found in zip(("acting", "waiting"), plant.device.faults(), strict=True)

@@ -68,8 +68,7 @@ class Plant:
         self._advance_to(self.due)
         number, time_ns = self.timeline.number, self.due * SUBSTEP_NS
         tick = self.timeline.tick = self.schedule.tick(number)
-        if self.bus.conditions is not None:
-            self.bus.conditions.see(number, tick)
+        self.bus.conditions.see(number, tick)
         if tick == self.schedule.first_tick:
             self._begin_trial()
         reading = self.device.read()

@@ -18,6 +18,7 @@ from shared.codec import Received
 from shared.detour import Passage, conditions_of
 from shared.envelope import Envelope, section, unseal
 from shared.messages import About, Mode, Passed, Permit, TripCause
+from shared.live_faults import LiveFaults
 from shared.process import draw_number, options_of, parser, serve
 from shared.protection import worst
 from shared.realtime import follow
@@ -52,7 +53,7 @@ class Supervisor:
 
     def __init__(self, bus: Bus) -> None:
         """Disarmed."""
-        self.bus = bus
+        self.bus, self.faults = bus, LiveFaults(bus)
         self.samples, self.abouts = bus.subscribe("plant/sample"), bus.subscribe("plant/about")
         self.states = bus.subscribe("controller/state")
         self._inboxes = (self.samples, self.states, self.abouts)
@@ -135,6 +136,7 @@ class Supervisor:
         """Step once with the oldest request, publish the permit, answer the request."""
         if self.about is None:
             return
+        self.faults.spend()
         event, request = self.asked.pop(0) if self.asked else (Event.NOTHING, None)
         ready = self.controller is not None and self.controller.body.ready == 1
         asked = Asked(int(event), self._drawn, self._agreed(message), ready, stale_ns, self._links(message))
@@ -223,6 +225,8 @@ class Supervisor:
             return self._commit(request)
         if request.verb == "status":
             return request.reply(self.status())
+        if request.verb in ("inject", "clear"):
+            return self.faults.answer(request, self.samples.number)
         return request.refuse(f"the supervisor knows no request {request.verb!r}")
 
     def _queue(self, request: Request) -> None:
@@ -241,7 +245,7 @@ class Supervisor:
         try:
             envelope = unseal(str(request.arguments.get("envelope")))
             config = section(envelope, "supervisor", SupervisorConfig)
-            conditions_of(envelope, "supervisor")
+            conditions_of(envelope, self.bus.conditions)
         except ValueError as error:
             return request.refuse(str(error))
         self.pending = (envelope, config)
@@ -255,7 +259,7 @@ class Supervisor:
         self.envelope, self.config = self.pending
         self._prepare()
         self.bus.run = Run(self.envelope.run, self.envelope.digest, 0)
-        self.bus.impair(conditions_of(self.envelope, "supervisor"))
+        self.bus.impair(conditions_of(self.envelope, self.bus.conditions))
         self.bus.waits_for_room = self.envelope.clock == "lockstep"
         follow(self.envelope.clock)
         gc.collect()
@@ -265,6 +269,7 @@ class Supervisor:
         """What an operator wants to know."""
         return {
             "pid": os.getpid(),
+            "injected": self.faults.acting(),
             "ready": self.about is not None and self.sample is not None and self.controller is not None,
             "mode": Mode(self.memory.mode).name,
             "cause": TripCause(self.memory.cause).name,

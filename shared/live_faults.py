@@ -1,0 +1,72 @@
+"""What an operator breaks by hand in one service of a cell that runs: the ways to it, and its pace."""
+
+import time
+from typing import Any
+
+from shared.bus import Bus, Request
+from shared.envelope import checked
+from shared.faults import Fault, problem, row_of
+from shared.impairment import paths_of
+from shared.units import NS_PER_S
+
+_S_PER_MS = 1e-3
+_FOR_EVER_NS = 1 << 62
+
+
+class LiveFaults:
+    """Faults of groups transport and process that a service plays itself."""
+
+    def __init__(self, bus: Bus) -> None:
+        """Nothing is broken."""
+        self._bus, self._service = bus, bus.conditions.service
+        self._slow: Fault | None = None
+        self._span_ns = (0, 0)  # in which the service is slow
+
+    def answer(self, request: Request, number: int) -> None:
+        """Answer "inject" and "clear"; `number` is that of the newest sample."""
+        if request.verb == "clear":
+            self.clear()
+            return request.reply({})
+        try:
+            fault: Fault = checked(request.arguments.get("fault"), "fault", Fault)
+            self.inject(fault, number)
+        except ValueError as error:
+            return request.refuse(str(error))
+        return request.reply({"number": number + 1})
+
+    def inject(self, fault: Fault, number: int) -> None:
+        """From the next sample on; raises ValueError with one line if this service cannot play it."""
+        if what := problem(fault):
+            raise ValueError(what)
+        if self._bus.conditions.lockstep:
+            raise ValueError("a lockstep trial is loaded, and its services must all know a fault beforehand: schedule it")
+        if fault.kind == "slow" and fault.target == self._service:
+            self._slow = fault
+            begin_ns = time.monotonic_ns() + round(fault.at_s * NS_PER_S)
+            self._span_ns = (begin_ns, begin_ns + round(fault.lasts_s * NS_PER_S) if fault.lasts_s else _FOR_EVER_NS)
+        elif row_of(fault).group == "transport" and any(path.endswith(f">{self._service}") for path in paths_of(fault)):
+            self._bus.conditions.inject((*self._bus.conditions.by_hand, (fault, number)))
+            self._bus.impair(self._bus.conditions)
+        else:
+            raise ValueError(f"{fault.kind} of {fault.target} is not played by the {self._service}")
+
+    def clear(self) -> None:
+        """Mend everything that was injected; what a fault delays still comes."""
+        self._slow = None
+        self._bus.conditions.inject(())
+
+    def spend(self) -> None:
+        """The time by which a slow service's step is longer."""
+        if self._slow is None:
+            return
+        begin_ns, end_ns = self._span_ns
+        now_ns = time.monotonic_ns()
+        if now_ns >= end_ns:
+            self._slow = None
+        elif now_ns >= begin_ns:
+            time.sleep(self._slow.value * _S_PER_MS)
+
+    def acting(self) -> list[dict[str, Any]]:
+        """For a status: what was injected and not mended."""
+        slow = () if self._slow is None else (self._slow,)
+        return [fault._asdict() for fault in (*slow, *(fault for fault, _ in self._bus.conditions.by_hand))]
