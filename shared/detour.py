@@ -10,8 +10,8 @@ from collections.abc import Callable
 from typing import NamedTuple
 
 from shared.codec import Received, Rejected
-from shared.envelope import Envelope, section
-from shared.faults import Fault, of_group, problem
+from shared.envelope import Envelope, faults
+from shared.faults import Fault
 from shared.impairment import SAMPLE, Active, Fate, Route, both, fate, fate_now, flip, on_path, paths_of, route_of
 from shared.messages import NO_COMMAND, NO_TRIAL, Passed
 from shared.topics import Topic
@@ -143,15 +143,12 @@ def conditions_of(envelope: Envelope, before: Conditions) -> Conditions:
 
     Raises ValueError for a fault that the load's clock cannot play.
     """
-    faults: tuple[Fault, ...] = section(envelope, "faults", tuple[Fault, ...]) if "faults" in envelope.experiment else ()
-    for fault in faults:
-        if what := problem(fault, envelope.clock):
-            raise ValueError(what)
+    acting = faults(envelope, "transport")
     if before.by_hand and envelope.clock == "lockstep":
         raise ValueError("transport faults that were injected still act, and lockstep has none: `hydrohil inject --clear`")
     made = Conditions(
         before.service,
-        of_group(faults, "transport"),
+        acting,
         seed=envelope.seed,
         period=_period(envelope),
         ticks=(-envelope.bias_ticks, envelope.duration_ticks),

@@ -107,6 +107,8 @@ def problem(fault: Fault, clock: str = "") -> str:
         return f"value of {fault.kind} is {fault.value:g} {row.unit}, expected {row.low:g}..{row.high:g}"
     if row.unit in COUNTED and fault.value != int(fault.value):
         return f"value of {fault.kind} is {fault.value:g}, expected a whole number of {row.unit}"
+    if fault.kind == "kill" and fault.lasts_s != 0.0:
+        return f"lasts_s of kill is {fault.lasts_s:g} s, but what is killed stays so: leave it out"
     if fault.kind == "burst" and fault.lasts_s != 0.0:
         return f"lasts_s of burst is {fault.lasts_s:g} s, but it ends with its last message: leave it out"
     return ""

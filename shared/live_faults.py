@@ -38,6 +38,8 @@ class LiveFaults:
         """From the next sample on; raises ValueError with one line if this service cannot play it."""
         if what := problem(fault):
             raise ValueError(what)
+        if fault.at_s < 0.0:
+            raise ValueError(f"begins {fault.at_s:g} s from now, expected 0 or later")
         if self._bus.conditions.lockstep:
             raise ValueError("a lockstep trial is loaded, and its services must all know a fault beforehand: schedule it")
         if fault.kind == "slow" and fault.target == self._service:

@@ -13,12 +13,13 @@ from shared.realtime import Granted, claim, die_with_parent, quiet_garbage_colle
 
 EXIT_OK, EXIT_CLAIM, EXIT_USAGE, EXIT_TRIPPED, EXIT_TRANSPORT = 0, 1, 2, 3, 5
 _NUMBER_BITS = 62
+DEFAULT_CELL = "cell"
 
 
 class Options(NamedTuple):
     """What every service's command line says."""
 
-    cell: str = "cell"
+    cell: str = DEFAULT_CELL
     port: int = DEFAULT_PORT
     realtime: bool = True
     with_parent: int = 0  # the starting process: end when it ends, however it ends; 0 = stay
@@ -31,7 +32,7 @@ def parser(service: str, description: str | None) -> argparse.ArgumentParser:
         description=description,
         epilog=f"Example: hydrohil {service} --cell left --port 7550",
     )
-    made.add_argument("--cell", default="cell", help="name of the cell; several share one network (cell)")
+    made.add_argument("--cell", default=DEFAULT_CELL, help="name of the cell; several share one network (cell)")
     made.add_argument("--port", type=int, default=DEFAULT_PORT, help=f"first of the cell's four ports ({DEFAULT_PORT})")
     made.add_argument("--no-realtime", action="store_true", help="ask for no real-time scheduling")
     made.add_argument(

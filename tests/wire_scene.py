@@ -3,8 +3,8 @@
 from types import SimpleNamespace
 
 from shared.bus import RING, Inbox, Run
-from shared.detour import idle
 from shared.codec import WIRE_VERSION, Header, encode
+from shared.detour import idle
 from shared.messages import Command, ControllerState, Mode, Permit
 from shared.topics import BY_KEY, expression
 

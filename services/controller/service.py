@@ -15,8 +15,8 @@ from shared.bus import Bus, Request, Run
 from shared.codec import Received
 from shared.detour import Passage, conditions_of
 from shared.envelope import Envelope, section, unseal
-from shared.messages import About, Command, GateState, Passed
 from shared.live_faults import LiveFaults
+from shared.messages import About, Command, GateState, Passed
 from shared.process import options_of, parser, serve
 from shared.realtime import follow
 from shared.reception import due, reception, told

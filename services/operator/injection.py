@@ -1,12 +1,14 @@
-"""Who plays a fault: the plant breaks its emulated machine. One table says which groups an operator, or a trial, may ask for."""
+"""Who plays a fault: the plant its emulated machine, a receiver its ways, the operator processes. One table says which groups an operator, or a trial, may ask for."""
 
 from collections.abc import Callable, Iterable
 from typing import Any
 
-from services.operator.cell import ask
+from services.operator.cell import LOOP, ask
+from services.operator.strikes import strike_now
 from shared.bus import Bus
 from shared.envelope import checked
 from shared.faults import ROWS, Fault, Group, Row, problem, row_of
+from shared.impairment import paths_of
 
 
 def by_plant(bus: Bus, fault: Fault) -> str:
@@ -15,8 +17,20 @@ def by_plant(bus: Bus, fault: Fault) -> str:
     return f"begins at sample {made['number']}"
 
 
-INJECTORS: dict[Group, Callable[[Bus, Fault], str]] = {"sensor": by_plant, "actuator": by_plant}  # into a cell that runs
-SCHEDULED: tuple[Group, ...] = ("sensor", "actuator", "transport")  # what a trial's services play of its section [[faults]]
+def by_receivers(bus: Bus, fault: Fault) -> str:
+    """Ask every service at the end of a path to mistreat what comes to it; a cut has two. Raises CellError."""
+    receivers = [path.partition(">")[2] for path in paths_of(fault)]
+    numbers = [ask(bus, receiver, "inject", fault=fault._asdict())["number"] for receiver in receivers]
+    return f"begins at sample {max(numbers)}"
+
+
+INJECTORS: dict[Group, Callable[[Bus, Fault], str]] = {  # into a cell that runs
+    "sensor": by_plant,
+    "actuator": by_plant,
+    "transport": by_receivers,
+    "process": strike_now,
+}
+SCHEDULED: tuple[Group, ...] = ("sensor", "actuator", "transport", "process")  # what is played of a trial's section [[faults]]
 
 
 def inject(bus: Bus, fault: Fault) -> str:
@@ -26,7 +40,8 @@ def inject(bus: Bus, fault: Fault) -> str:
 
 def clear(bus: Bus) -> None:
     """End everything that was injected. Raises CellError."""
-    ask(bus, "plant", "clear")
+    for service in LOOP:
+        ask(bus, service, "clear")
 
 
 def refused(fault: Fault) -> str:

@@ -27,6 +27,7 @@ class Report(NamedTuple):
     latencies: dict[str, Any]  # of a live run
     recording: str
     warnings: tuple[str, ...] = ()  # told before the run
+    struck: tuple[str, ...] = ()  # faults of processes that were carried out
 
     @property
     def exit_status(self) -> int:
@@ -47,6 +48,8 @@ def show(console: Console, report: Report) -> None:
         f"({experiment.duration_s / report.wall_s:.3g} times real time)",
         highlight=False,
     )
+    for line in report.struck:
+        console.print(f"struck: {line}", highlight=False, markup=False)
     if report.tripped:
         console.print(f"[red bold]TRIPPED[/]: {report.tripped}", highlight=False)
     if report.gap:
@@ -93,6 +96,7 @@ def markdown(report: Report) -> str:
     lines += [f"clock {report.clock}, seed {report.seed}, source {source_version()}", ""]
     lines += [f"**TRIPPED**: {report.tripped}", ""] if report.tripped else []
     lines += [f"**NO VERDICT**: {report.gap}", ""] if report.gap else []
+    lines += [f"**struck**: {line}\n" for line in report.struck]
     lines += [f"**warning**: {line}\n" for line in report.warnings]
     lines += ["| claim | stated | measured | holds |", "|---|---|---|---|"]
     lines += [
@@ -119,6 +123,7 @@ def write_json(path: Path, report: Report) -> None:
                 "latencies": report.latencies or None,
                 "recording": report.recording or None,
                 "warnings": list(report.warnings),
+                "struck": list(report.struck),
                 "claims": [
                     {
                         "statement": v.claim.statement,

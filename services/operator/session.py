@@ -10,14 +10,17 @@ from experiments.trace import Trace
 from rollout.rollout import duration_ticks
 from services.operator.cell import LOOP, CellError, TrippedError, ask, statuses
 from services.operator.collect import Collector, GapError
+from services.operator.strikes import Strikes
 from services.plant.config import bias_ticks
 from shared.bus import Bus
 from shared.codec import Received, Rejected
 from shared.envelope import seal
+from shared.faults import of_group
 from shared.messages import NO_COMMAND, NO_TRIAL, Mode
 
 _RUN_BITS = 48
 _WATCH_S = 0.05
+_STRIKE_S = 0.002  # while a process fault waits for its time
 _SILENCE_S = 6.0  # longer than the plant waits for an answer in lockstep
 
 
@@ -36,6 +39,7 @@ class Live(NamedTuple):
     tripped: str  # the supervisor's words, "" if it did not trip
     status: dict[str, dict[str, Any]]
     warnings: tuple[str, ...]  # of the cell, when it took the experiment
+    struck: tuple[str, ...] = ()  # what was done to processes, and when
 
 
 def load(bus: Bus, experiment: Experiment, seed: int, clock: str) -> Loaded:
@@ -100,11 +104,11 @@ class Silence:
         return [service for service in silent if self._numbers[service] < self._numbers["plant"]] or silent
 
 
-def watch(collector: Collector, experiment: Experiment, show: Callable[[float], None]) -> None:
+def watch(collector: Collector, experiment: Experiment, show: Callable[[float], None], poll_s: float = _WATCH_S) -> None:
     """Until the supervisor ends or trips the trial; `show` gets the seconds of the trial. CellError on silence."""
     began, silence = False, Silence()
     while True:
-        time.sleep(_WATCH_S)
+        time.sleep(poll_s)
         permit, sample, command = collector.permits.peek(), collector.samples.peek(), collector.commands.peek()
         silence.hear({"plant": sample, "controller": command, "supervisor": permit})
         if isinstance(sample, Received) and sample.body.tick != NO_TRIAL:
@@ -121,13 +125,25 @@ def run_live(bus: Bus, experiment: Experiment, seed: int, clock: str, show: Call
     """Load, arm, start, watch to the end; always disarms."""
     run, warnings = load(bus, experiment, seed, clock)
     collector = Collector(bus)
+    strikes = Strikes(bus, of_group(experiment.faults, "process"), experiment.duration_s)
+
+    def told(trial_s: float) -> None:
+        strikes.at(trial_s)
+        show(trial_s)
+
     try:
         arm(bus)
         ask(bus, "supervisor", "start")
-        watch(collector, experiment, show)
-    except (KeyboardInterrupt, CellError):
+        watch(collector, experiment, told, _STRIKE_S if strikes.pending else _WATCH_S)
+    except KeyboardInterrupt:
         bus.ask("supervisor", "stop", {}, 1.0)
         raise
+    except CellError as error:
+        bus.ask("supervisor", "stop", {}, 1.0)
+        raise CellError("; ".join((str(error), *strikes.told))) from error
+    finally:
+        strikes.end()
+    struck = tuple(strikes.told)
     time.sleep(_WATCH_S)  # the last answers are under way
     found = statuses(bus)
     ticks = duration_ticks(experiment.duration_s, experiment.plant)
@@ -135,7 +151,7 @@ def run_live(bus: Bus, experiment: Experiment, seed: int, clock: str, show: Call
     try:
         trace = collector.trace(run, ticks)
     except GapError as error:
-        return Live(None, str(error), tripped, found, warnings)
+        return Live(None, str(error), tripped, found, warnings, struck)
     if not tripped and len(trace.tick) != ticks:
-        return Live(None, f"the trial ended after {len(trace.tick)} of {ticks} samples", tripped, found, warnings)
-    return Live(trace, "", tripped, found, warnings)
+        return Live(None, f"the trial ended after {len(trace.tick)} of {ticks} samples", tripped, found, warnings, struck)
+    return Live(trace, "", tripped, found, warnings, struck)

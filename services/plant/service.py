@@ -17,6 +17,7 @@ from shared.bus import Bus
 from shared.clock import SLACK_NS, Grid
 from shared.codec import Received
 from shared.converters import ZERO_CODE
+from shared.live_faults import LiveFaults
 from shared.messages import NO_TRIAL, FaultEvent, Mode, Sample, Truth
 from shared.reception import due
 from shared.units import SUBSTEP_NS
@@ -39,7 +40,7 @@ class Plant:
         """Take the places on the bus."""
         self.bus, self.device, self.timeline, self.stopped = bus, device, timeline, stopped
         self.grid, self.counters = Grid(), Counters()
-        self.lease = lease
+        self.lease, self.faults = lease, LiveFaults(bus)
         self.keeper = Gatekeeper(bus, device, timeline, limits, self.counters)
         self.schedule = Schedule(PlantConfig())
         self.pending: Schedule | None = None
@@ -109,6 +110,7 @@ class Plant:
 
     def latch(self) -> None:
         """Let the newest valid permit and command decide, and write what the gate gives."""
+        self.faults.spend()
         latch = self.due + self.schedule.latch
         if self._lockstep():
             self._await_answers()

@@ -1,5 +1,6 @@
 """The recorder's shell: it owns the bus and the clock, and answers record, finish and status."""
 
+import os
 import signal
 import sys
 import threading
@@ -85,7 +86,7 @@ def _answer(recorder: "Recorder", inboxes: list[Inbox], folder: Path, request: R
         case "finish":
             request.reply(recorder.finish(_text(arguments, "summary_markdown")))
         case "status":
-            request.reply(recorder.status())
+            request.reply({"pid": os.getpid()} | recorder.status())
         case verb:
             request.refuse(f"unknown request {verb!r}; the recorder knows record, finish, status")
 

@@ -17,8 +17,8 @@ from shared.bus import Bus, Request, Run, same_run
 from shared.codec import Received
 from shared.detour import Passage, conditions_of
 from shared.envelope import Envelope, section, unseal
-from shared.messages import About, Mode, Passed, Permit, TripCause
 from shared.live_faults import LiveFaults
+from shared.messages import About, Mode, Passed, Permit, TripCause
 from shared.process import draw_number, options_of, parser, serve
 from shared.protection import worst
 from shared.realtime import follow
