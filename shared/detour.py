@@ -100,6 +100,12 @@ class Conditions:
                 moved = (one._replace(begin=one.begin + after + 1, end=one.end + after + 1) for one in found)
                 self._injected[path] = (*self._injected.get(path, ()), *moved)
 
+    def lasting(self) -> tuple[tuple[Fault, int], ...]:
+        """What was injected by hand and is not over."""
+        period_ns = self._period * SUBSTEP_NS
+        ends = {entry: max(one.end for one in on_path(paths_of(entry[0])[0], (entry[0],), period_ns)) for entry in self.by_hand}
+        return tuple(entry for entry in self.by_hand if self.number <= ends[entry] + entry[1])
+
     def touches(self, topic: Topic) -> bool:
         """Whether anything acts on a topic's way to this service; word of what a fault took always comes through."""
         if topic.message is Passed:
@@ -144,7 +150,7 @@ def conditions_of(envelope: Envelope, before: Conditions) -> Conditions:
     Raises ValueError for a fault that the load's clock cannot play.
     """
     acting = faults(envelope, "transport")
-    if before.by_hand and envelope.clock == "lockstep":
+    if before.lasting() and envelope.clock == "lockstep":
         raise ValueError("transport faults that were injected still act, and lockstep has none: `hydrohil inject --clear`")
     made = Conditions(
         before.service,
@@ -155,7 +161,7 @@ def conditions_of(envelope: Envelope, before: Conditions) -> Conditions:
         lockstep=envelope.clock == "lockstep",
     )
     made.see(before.number, before.tick)
-    made.inject(before.by_hand)
+    made.inject(before.lasting())
     return made
 
 
@@ -188,6 +194,7 @@ class Detour:
             self._queue = slip_in(self._queue, message, 0)
             return
         header, conditions = message.header, self.conditions
+        conditions.number = max(conditions.number, header.echo_number)
         is_sample = self._topic.key == SAMPLE
         if is_sample:
             conditions.see(message.body.number, message.body.tick)

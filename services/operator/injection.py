@@ -1,4 +1,7 @@
-"""Who plays a fault: the plant its emulated machine, a receiver its ways, the operator processes. One table says which groups an operator, or a trial, may ask for."""
+"""Who plays a fault: the plant its emulated machine, a receiver its ways, the operator processes.
+
+One table says which groups an operator, or a trial, may ask for.
+"""
 
 from collections.abc import Callable, Iterable
 from typing import Any

@@ -1,4 +1,4 @@
-"""Faults of processes, on the wall clock: a service of this very cell is killed, frozen and thawed, slowed, or its host is loaded.
+"""Faults of processes, on the wall clock: a service of this very cell is killed, frozen, slowed, or its host is loaded.
 
 A process is signalled only if it answers as that service of this cell, now or when the trial began, and if it is one: the
 number of a process that has ended may belong to another.

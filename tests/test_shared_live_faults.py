@@ -1,0 +1,80 @@
+import time
+
+import pytest
+from wire_scene import FakeBus
+
+from shared.bus import Request
+from shared.detour import Conditions
+from shared.live_faults import LiveFaults
+from shared.topics import BY_KEY
+
+
+class Scene:
+    """A supervisor's inboxes and what is broken of them."""
+
+    def __init__(self):
+        self.bus = FakeBus()
+        self.states = self.bus.subscribe("controller/state")
+        self.faults = LiveFaults(self.bus)
+
+    def ask(self, verb, **fault):
+        answers = []
+        arguments = {"fault": fault} if fault else {}
+        self.faults.answer(Request(verb, arguments, lambda *answer: answers.append(answer)), 41)
+        return answers[0]
+
+
+def test_a_path_that_ends_here_is_broken_from_the_next_sample_on():
+    scene = Scene()
+    assert scene.ask("inject", kind="loss", target="controller>supervisor", value=0.5) == (True, "", {"number": 42})
+    assert scene.states.detour is not None
+    assert [fault["target"] for fault in scene.faults.acting()] == ["controller>supervisor"]
+
+
+def test_a_cut_that_ends_here_too_is_broken():
+    assert Scene().ask("inject", kind="partition", target="plant-supervisor")[0]
+
+
+def test_clear_mends_everything():
+    scene = Scene()
+    scene.ask("inject", kind="partition", target="controller>supervisor")
+    scene.ask("inject", kind="slow", target="supervisor", value=1.0)
+    scene.ask("clear")
+    assert scene.faults.acting() == []
+    assert not scene.bus.conditions.touches(BY_KEY["controller/state"])
+
+
+@pytest.mark.parametrize(
+    ("fault", "why"),
+    [
+        ({"kind": "loss", "target": "controller>plant", "value": 0.5}, "not played by the supervisor"),
+        ({"kind": "slow", "target": "plant", "value": 1.0}, "not played by the supervisor"),
+        ({"kind": "stuck", "target": "force"}, "not played by the supervisor"),
+        ({"kind": "loss", "target": "controller>supervisor", "value": 1.5}, "expected 0..1"),
+        ({"kind": "loss", "target": "controller>supervisor", "value": 0.5, "at_s": -1.0}, "expected 0 or later"),
+        ({"kind": "loss"}, "target"),
+    ],
+)
+def test_what_cannot_be_played_is_refused_with_the_reason(fault, why):
+    scene = Scene()
+    accepted, reason, _ = scene.ask("inject", **fault)
+    assert not accepted and why in reason
+    assert scene.faults.acting() == []
+
+
+def test_nothing_is_injected_into_a_lockstep_trial():
+    scene = Scene()
+    scene.bus.impair(Conditions("supervisor", (), seed=1, period=90, ticks=(0, 9), lockstep=True))
+    accepted, reason, _ = scene.ask("inject", kind="loss", target="controller>supervisor", value=0.5)
+    assert not accepted and "schedule it" in reason
+
+
+def test_a_slow_service_spends_its_time_and_no_longer_than_asked():
+    scene = Scene()
+    scene.ask("inject", kind="slow", target="supervisor", value=20.0, lasts_s=0.05)
+    began = time.monotonic()
+    scene.faults.spend()
+    assert time.monotonic() - began >= 0.02
+    time.sleep(0.05)
+    scene.faults.spend()
+    assert scene.faults.acting() == []
