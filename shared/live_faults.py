@@ -47,7 +47,7 @@ class LiveFaults:
             begin_ns = time.monotonic_ns() + round(fault.at_s * NS_PER_S)
             self._span_ns = (begin_ns, begin_ns + round(fault.lasts_s * NS_PER_S) if fault.lasts_s else _FOR_EVER_NS)
         elif row_of(fault).group == "transport" and any(path.endswith(f">{self._service}") for path in paths_of(fault)):
-            self._bus.conditions.inject((*self._bus.conditions.by_hand, (fault, number)))
+            self._bus.conditions.inject((*self._bus.conditions.lasting(), (fault, number)))
             self._bus.impair(self._bus.conditions)
         else:
             raise ValueError(f"{fault.kind} of {fault.target} is not played by the {self._service}")
@@ -71,4 +71,4 @@ class LiveFaults:
     def acting(self) -> list[dict[str, Any]]:
         """For a status: what was injected and not mended."""
         slow = () if self._slow is None else (self._slow,)
-        return [fault._asdict() for fault in (*slow, *(fault for fault, _ in self._bus.conditions.by_hand))]
+        return [fault._asdict() for fault in (*slow, *(fault for fault, _ in self._bus.conditions.lasting()))]

@@ -179,6 +179,8 @@ def test_what_is_injected_by_hand_begins_with_the_next_sample_in_a_trial_or_outs
     scene.conditions.see(ZERO_NUMBER + 4, NO_TRIAL)
     scene.conditions.inject(((Fault("burst", "controller>plant", value=2.0), ZERO_NUMBER + 4),))
     scene.inbox.impair(scene.conditions)
+    assert len(scene.conditions.lasting()) == 1
     for tick in range(4, 9):
         scene.put(tick)
     assert scene.ticks() == [4, 7, 8]
+    assert scene.conditions.lasting() == ()
