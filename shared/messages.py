@@ -155,6 +155,8 @@ class GateEvent(NamedTuple):
     tick: int
     state: int
     cause: int
+    permit_age_ns: int  # of the samples that permit and command name, on the plant's clock at the decision; -1 = of none
+    command_age_ns: int
     measured: float
     limit: float
 

@@ -20,7 +20,7 @@ class Topic(NamedTuple):
 TOPICS = (
     Topic("plant/sample", 1, messages.Sample, "plant", True, "1 period", True),
     Topic("plant/truth", 2, messages.Truth, "plant", True, "", False),
-    Topic("plant/gate", 3, messages.GateEvent, "plant", False, "", False),
+    Topic("plant/gate", 20, messages.GateEvent, "plant", False, "", False),
     Topic("plant/about", 4, messages.About, "plant", False, "", False),
     Topic("controller/command", 5, messages.Command, "controller", True, "1 lease", True),
     Topic("controller/state", 6, messages.ControllerState, "controller", True, "1 lease", False),

@@ -54,7 +54,9 @@ def trial(ticks: int = 1200, outside: int = 30, trip_tick: int = 10**9) -> Itera
         tick = i - outside - BIAS_TICKS if i >= outside else NO_TRIAL
         yield from _sample(i, tick, trip_tick)
         if tick == trip_tick:
-            event = GateEvent(FIRST_NUMBER + i, tick, GateState.BURNED, GateCause.FORCE_ABOVE_LIMIT, 431.9, 420.0)
+            event = GateEvent(
+                FIRST_NUMBER + i, tick, GateState.BURNED, GateCause.FORCE_ABOVE_LIMIT, 3_600_000, 3_600_000, 431.9, 420.0
+            )
             yield received("plant/gate", event, events, arrival_ns=i * PERIOD_NS + 200_000)
             events += 1
 

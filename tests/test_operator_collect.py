@@ -87,7 +87,7 @@ def test_a_trial_of_another_run_leaves_nothing():
 
 
 def event(state: GateState, cause: GateCause, run: int = RUN, measured: float = 0.0, limit: float = 0.0) -> Received:
-    body = GateEvent(90, 5, int(state), int(cause), measured, limit)
+    body = GateEvent(90, 5, int(state), int(cause), 0, 0, measured, limit)
     return Received(0, "plant/gate", MESSAGES[0].header._replace(run=run), body)
 
 

@@ -39,7 +39,7 @@ def test_an_unknown_mode_is_told_as_its_number():
 
 
 def test_a_burned_gate_is_an_error_and_a_shut_one_a_warning():
-    event = GateEvent(3, 2, GateState.BURNED, GateCause.FORCE_ABOVE_LIMIT, 431.9, 420.0)
+    event = GateEvent(3, 2, GateState.BURNED, GateCause.FORCE_ABOVE_LIMIT, 0, 0, 431.9, 420.0)
     assert gate_event(event).level == "ERROR"
     assert gate_event(event).text == "gate burned: force above limit, 431.9 against 420, sample 3"
     assert gate_event(event._replace(state=GateState.SHUT)).level == "WARN"

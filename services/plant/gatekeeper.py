@@ -135,5 +135,7 @@ class Gatekeeper:
     def _tell(self, before: GateMemory, seen: GateInput) -> None:
         number, tick = self._timeline.number, self._timeline.tick
         measured, limit = numbers(self.gate.cause, before, seen, self.limits)
-        event = GateEvent(number, tick, self.gate.state, self.gate.cause, measured, limit)
+        event = GateEvent(
+            number, tick, self.gate.state, self.gate.cause, seen.permit.age_ns, seen.command.age_ns, measured, limit
+        )
         self._bus.publish("plant/gate", event, (number, self._timeline.substep * SUBSTEP_NS))

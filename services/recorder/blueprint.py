@@ -58,8 +58,9 @@ def _arm(timeline: str, live: bool) -> rrb.Spatial3DView:
 def _words(live: bool) -> rrb.Tabs:
     summary = rrb.TextDocumentView(origin="/summary", name="Claims and verdicts")
     machine = rrb.TextDocumentView(origin="/machine", name="Machine")
+    trip = rrb.TextDocumentView(origin="/trip", name="Trip")
     events = rrb.TextLogView(origin="/log", name="Events")
-    return rrb.Tabs(summary, events, machine, active_tab="Events" if live else "Claims and verdicts")
+    return rrb.Tabs(summary, trip, events, machine, active_tab="Events" if live else "Claims and verdicts")
 
 
 def _sliding() -> tuple[rrb.TimeRangeBoundary, rrb.TimeRangeBoundary]:

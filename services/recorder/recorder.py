@@ -11,6 +11,8 @@ from services.recorder.gaps import Counted, Sequence, count, since
 from services.recorder.recording import Recording
 from services.recorder.rows import Rows
 from services.recorder.scene import machine
+from services.recorder.trip_words import markdown
+from services.recorder.trips import Trips
 from services.recorder.writer import Writer
 from shared.codec import Received, Rejected
 from shared.messages import About
@@ -37,8 +39,8 @@ class Output(Protocol):
 class Recorder:
     """Counts always; writes when a recording is open or a live view is there."""
 
-    def __init__(self, cell: str = "", live: Output | None = None) -> None:
-        """Nothing open, nothing counted."""
+    def __init__(self, cell: str = "", live: Output | None = None, trips: Path | None = None) -> None:
+        """Nothing open, nothing counted; trip reports go into the folder `trips`, if one is given."""
         self._cell = cell
         self._live = live
         self._links: dict[Link, Sequence] = {}
@@ -48,6 +50,8 @@ class Recorder:
         self._told = ""
         self._flushed_ns = self._checked_ns = 0
         self._axis: int | None = None
+        self._trips = Trips(cell, trips)
+        self._told_trips: list[str] = []  # of the open recording
         self._writer = Writer(self._emit)
 
     def take(self, messages: Iterable[Received | Rejected]) -> None:
@@ -65,6 +69,7 @@ class Recorder:
             if counted.skipped or counted.restarted:
                 before = gaps[link][1].skipped if link in gaps else 0
                 gaps[link] = (message, counted._replace(skipped=before + counted.skipped))
+            self._trips.take(message)
             if writing or isinstance(message.body, About):
                 self._writer.take(message)
         for message, counted in gaps.values():  # one line a link and call, however many gaps
@@ -72,7 +77,8 @@ class Recorder:
         self._lay_out()
 
     def tick(self, now_ns: int) -> None:
-        """Write batches that do not fill, look after the file."""
+        """Write batches that do not fill, look after the file, report trips."""
+        self._report_trips(now_ns)
         if now_ns - self._flushed_ns >= FLUSH_NS:
             self._flushed_ns = now_ns
             self._writer.flush()
@@ -91,6 +97,7 @@ class Recorder:
         self._writer.flush(everything=True)
         self._recording, self._axis, self._at_start = recording, axis, dict(self._links)
         self._writer.begin()
+        self._told_trips = []
         self._summary = summary or f"# {title}"
         self._emit(Rows("summary", "document", None, self._summary))
         self._check()
@@ -101,6 +108,7 @@ class Recorder:
         recording = self._recording
         if recording is None:
             return {"path": "", "rows": 0, "gaps": 0, "bytes": 0, "failure": "no recording is open"}
+        self._report_trips(0, at_once=True)
         self._writer.flush(everything=True)
         self._write_missing()
         report = self._report(recording)
@@ -120,7 +128,14 @@ class Recorder:
             "received": received,
             "refused": refused,
             "live_dropped": getattr(self._live, "dropped", 0),
+            "trip": self._trips.status(),
         }
+
+    def close(self) -> None:
+        """Close what is open; a trip that has just happened is still reported."""
+        self._report_trips(0, at_once=True)
+        self.finish()
+        self._trips.close()
 
     @property
     def _is_writing(self) -> bool:
@@ -138,6 +153,14 @@ class Recorder:
     def _tell(self, event: Event | None) -> None:
         if event is not None and self._is_writing:
             self._writer.tell(event)
+
+    def _report_trips(self, now_ns: int, *, at_once: bool = False) -> None:
+        """Each trip as a document and a line of the log."""
+        missing = {link.topic: {"missing": s.missing, "unordered": s.unordered} for link, s in self._links.items()}
+        for document in self._trips.reports(now_ns, {"recorder": missing}, at_once=at_once):
+            self._told_trips.append(markdown(document))
+            self._emit(Rows("trip", "document", None, "\n\n".join(self._told_trips)))
+            self._tell(Event("recorder", "ERROR", f"trip report: {document['sentence']}"))
 
     def _refused(self, rejected: Rejected) -> None:
         key = (rejected.topic, rejected.cause)

@@ -26,19 +26,22 @@ def main(arguments: list[str] | None = None) -> int:
     line = parser("recorder", __doc__)
     line.add_argument("--folder", type=Path, default=Path("runs"), help="where recordings go (runs)")
     line.add_argument("--rrd", type=Path, help="record from the start into this file of the folder")
+    line.add_argument("--trips", type=Path, help="where trip reports go (trips in that folder)")
     line.add_argument("--live", type=int, metavar="PORT", help="serve a live view on this port")
     given = line.parse_args(arguments)
     if given.with_parent and not die_with_parent(given.with_parent):
         return EXIT_OK
     try:
-        record(given.cell, given.port, given.folder, given.rrd, given.live)
+        record(given.cell, given.port, given.folder, given.rrd, given.live, given.trips)
     except (BusError, OSError, ValueError) as error:
         print(f"recorder: {error}", file=sys.stderr, flush=True)
         return EXIT_TRANSPORT
     return EXIT_OK
 
 
-def record(cell: str, port_base: int, folder: Path, rrd: Path | None = None, live_port: int | None = None) -> None:
+def record(
+    cell: str, port_base: int, folder: Path, rrd: Path | None = None, live_port: int | None = None, trips: Path | None = None
+) -> None:
     """Record until SIGINT, SIGTERM or SIGHUP. With `rrd` from the start into that file, else between `record` and `finish`."""
     from services.recorder.live import Live  # here: rerun takes 0.4 s to import
     from services.recorder.recorder import Recorder
@@ -46,7 +49,7 @@ def record(cell: str, port_base: int, folder: Path, rrd: Path | None = None, liv
     stop = _stop_on_signals()
     with ExitStack() as stack:
         live = stack.enter_context(Live(live_port)) if live_port is not None else None
-        recorder = Recorder(cell, live)
+        recorder = Recorder(cell, live, trips if trips is not None else folder / "trips")
         if rrd is not None:
             recorder.record(folder / rrd, rrd.stem)
         bus = stack.enter_context(Bus("recorder", cell, port_base, draw_number()))
@@ -66,7 +69,7 @@ def _drain(recorder: "Recorder", inboxes: list[Inbox]) -> None:
 
 def _finish(recorder: "Recorder", inboxes: list[Inbox]) -> None:
     _drain(recorder, inboxes)
-    recorder.finish()
+    recorder.close()
 
 
 def _answer(recorder: "Recorder", inboxes: list[Inbox], folder: Path, request: Request) -> None:
