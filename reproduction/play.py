@@ -10,7 +10,7 @@ from experiments.pairs import judge_pair
 from experiments.study import Panel, Statement, Study
 from experiments.trace import Trace
 from reproduction.plan import Figure
-from rollout.rollout import play_local, trace_of
+from rollout.rollout import Outcome, play_local, trace_of
 from services.supervisor.rules import trip_words
 from shared.messages import Mode, TripCause
 
@@ -42,7 +42,11 @@ class Found(NamedTuple):
 
 def play(experiment: Experiment, seed: int) -> Played:
     """One trial on the local clock."""
-    outcome = play_local(experiment, seed)
+    return played(play_local(experiment, seed))
+
+
+def played(outcome: Outcome) -> Played:
+    """What a rollout left, as claims are judged on it."""
     trip = outcome.supervisor
     if trip.mode != Mode.TRIPPED:
         return Played(trace_of(outcome))

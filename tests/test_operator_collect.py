@@ -9,6 +9,7 @@ from recorder_trial import trial
 from services.operator.collect import Collector, GapError
 from shared.codec import Received
 from shared.messages import NO_TRIAL, GateCause, GateEvent, GateState, Mode, TripCause
+from shared.topics import BY_KEY
 
 TICKS = 40
 
@@ -16,11 +17,13 @@ TICKS = 40
 class Ring:
     """What a topic would have received."""
 
-    def __init__(self, messages: list[Received]):
-        self.messages = messages
+    def __init__(self, key: str, messages: list[Received]):
+        self.topic, self.messages = BY_KEY[key], messages
+        self.waiting = messages
 
     def take(self) -> list[Received]:
-        return self.messages
+        waiting, self.waiting = self.waiting, []
+        return waiting
 
     def peek(self) -> Received | None:
         return self.messages[-1] if self.messages else None
@@ -33,7 +36,7 @@ class Network:
         self.messages = messages
 
     def subscribe(self, key: str, depth: int) -> Ring:
-        return Ring([message for message in self.messages if message.topic == key])
+        return Ring(key, [message for message in self.messages if message.topic == key])
 
 
 MESSAGES = [message for message in trial(TICKS) if isinstance(message, Received)]

@@ -64,7 +64,7 @@ def down(cell: CellName = "cell", port: Port = DEFAULT_PORT) -> None:
 @app.command()
 def status(cell: CellName = "cell", port: Port = DEFAULT_PORT, as_json: AsJson = False) -> None:
     """Say which services answer, their state, and what was discarded and lost."""
-    from rich.table import Table
+    from rich.table import Column, Table
 
     from services.operator import cell as cells
 
@@ -77,7 +77,7 @@ def status(cell: CellName = "cell", port: Port = DEFAULT_PORT, as_json: AsJson =
     if as_json:
         print(json.dumps(found, indent=2))
     else:
-        table = Table("service", "state", "lost, discarded, counted against a link")
+        table = Table("service", Column("state", overflow="fold"), "lost, discarded, counted against a link")
         for service in SERVICES:
             table.add_row(service, _words(service, found.get(service)) + _faults(found.get(service)), _counts(found.get(service)))
         console.print(table)
@@ -200,4 +200,7 @@ def _words(service: str, found: dict[str, Any] | None) -> str:
         return f"sample {found['number']}, gate {gate}, lease {found['lease_ms']} ms"
     if service == "controller":
         return f"law {found['law']}, {found['answered']} samples answered"
-    return str(found.get("recording", {}).get("path") or "no recording open")
+    recording = str(found.get("recording", {}).get("path") or "no recording open")
+    trip = found.get("trip") or {}
+    where = trip.get("path") or (f"[yellow]no file: {trip.get('failure')}[/]" if trip.get("failure") else "being written")
+    return recording + (f"\nlast trip {trip['utc']}: {trip['cause']}, {where}" if trip else "")

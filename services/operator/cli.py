@@ -9,6 +9,7 @@ from services.operator import (
     inject_command,
     reproduce_command,
     service_commands,
+    trip_command,
     tune_command,
 )
 from services.operator.options import app
@@ -24,6 +25,7 @@ __all__ = [
     "main",
     "reproduce_command",
     "service_commands",
+    "trip_command",
     "tune_command",
 ]
 

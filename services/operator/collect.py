@@ -6,10 +6,14 @@ from typing import Any
 import numpy as np
 
 from experiments.trace import Trace
+from services.recorder.trip_report import Document
+from services.recorder.trip_ring import TripRing
+from services.recorder.trips import document_of, utc_now
 from services.supervisor.rules import trip_words
-from shared.bus import Bus
+from shared.bus import Bus, Inbox
 from shared.codec import Received
 from shared.messages import NO_TRIAL, GateCause, GateState, Mode, TripCause
+from shared.topics import TOPICS
 from shared.units import NS_PER_S
 
 _FROM_STATE = (
@@ -24,6 +28,7 @@ _FROM_STATE = (
     "force_set_n",
     "current_a",
 )
+_JOINED = ("plant/sample", "controller/command", "controller/state", "supervisor/permit", "plant/gate")
 DEPTH = 1 << 20  # frames; an hour at 222 Hz
 
 
@@ -60,6 +65,8 @@ class Collector:
         self.states = bus.subscribe("controller/state", DEPTH)
         self.permits = bus.subscribe("supervisor/permit", DEPTH)
         self.gate_events = bus.subscribe("plant/gate", DEPTH)
+        self._others = [bus.subscribe(topic.key, DEPTH) for topic in TOPICS if topic.key not in _JOINED]  # for a trip's report
+        self._taken: dict[str, list[Received]] = {}
 
     def trip(self, run: int) -> str:
         """Why this run tripped, in words; "" if it did not. The permits tell: an overloaded cell may answer no request."""
@@ -70,9 +77,27 @@ class Collector:
         told = trip_words(TripCause(permit.cause), permit.measured, permit.limit, permit.trip_number)
         return (permit.cause == TripCause.GATE_CUT and self._cut(run)) or told
 
+    def report(self, cell: str) -> Document | None:
+        """The trip that was heard of, with everything around it; None if there was none."""
+        ring, every = TripRing(), [*self._loop, *self._others]
+        for message in sorted((m for inbox in every for m in self._messages(inbox)), key=lambda m: m.arrival_ns):
+            ring.take(message)
+        caught = ring.caught(0, at_once=True)
+        return document_of(caught[-1], utc_now(), cell, "this command's", {}) if caught else None
+
+    @property
+    def _loop(self) -> tuple[Inbox, ...]:
+        return (self.samples, self.gate_events, self.commands, self.states, self.permits)
+
+    def _messages(self, inbox: Inbox) -> list[Received]:
+        """Everything valid that has come on a topic, from the first on."""
+        taken = self._taken.setdefault(inbox.topic.key, [])
+        taken += inbox.take()
+        return taken
+
     def _cut(self, run: int) -> str:
         """Why the gate cut in this run, in words; "" if it told of no cut."""
-        events = (m.body for m in self.gate_events.take() if m.header.run == run)
+        events = (m.body for m in self._messages(self.gate_events) if m.header.run == run)
         event = next((body for body in events if body.state == GateState.BURNED), None)
         if event is None:
             return ""
@@ -82,11 +107,11 @@ class Collector:
 
     def trace(self, run: int, ticks: int) -> Trace:
         """The trial's rows from tick 0; raises GapError naming the first tick and topic that is missing."""
-        samples = [m for m in self.samples.take() if m.header.run == run]
+        samples = [m for m in self._messages(self.samples) if m.header.run == run]
         by_number = {m.body.number: m.body for m in samples}
-        commands = _by_echo(self.commands.take(), run)
-        states = _by_echo(self.states.take(), run)
-        permits = _by_echo(self.permits.take(), run)
+        commands = _by_echo(self._messages(self.commands), run)
+        states = _by_echo(self._messages(self.states), run)
+        permits = _by_echo(self._messages(self.permits), run)
         in_trial = sorted((m.body.tick, m.body) for m in samples if m.body.tick != NO_TRIAL and 0 <= m.body.tick < ticks)
         rows = []
         for tick, (found, sample) in enumerate(in_trial):

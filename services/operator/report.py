@@ -10,6 +10,8 @@ from rich.table import Table
 
 from experiments.claims import Verdict, band, quantity
 from experiments.experiment import Experiment
+from services.recorder import trip_words
+from services.recorder.trip_report import Document
 from shared.kernel import source_version
 from shared.process import EXIT_CLAIM, EXIT_OK, EXIT_TRANSPORT, EXIT_TRIPPED
 
@@ -28,6 +30,8 @@ class Report(NamedTuple):
     recording: str
     warnings: tuple[str, ...] = ()  # told before the run
     struck: tuple[str, ...] = ()  # faults of processes that were carried out
+    trip: Document | None = None
+    trip_file: str = ""
 
     @property
     def exit_status(self) -> int:
@@ -52,6 +56,8 @@ def show(console: Console, report: Report) -> None:
         console.print(f"struck: {line}", highlight=False, markup=False)
     if report.tripped:
         console.print(f"[red bold]TRIPPED[/]: {report.tripped}", highlight=False)
+    if report.trip is not None:
+        show_trip(console, report.trip, report.trip_file)
     if report.gap:
         console.print(f"[red bold]NO VERDICT[/]: {report.gap}; every tick is needed", highlight=False)
     if report.verdicts:
@@ -60,6 +66,14 @@ def show(console: Console, report: Report) -> None:
         console.print(latency_table(report.latencies))
     if report.recording:
         console.print(f"recording: {report.recording}  (hydrohil view {report.recording})", highlight=False, soft_wrap=True)
+
+
+def show_trip(console: Console, document: Document, file: str) -> None:
+    """A trip's report, and where its file is."""
+    for line in trip_words.lines(document):
+        console.print(line, highlight=False, soft_wrap=True, markup=False)
+    if file:
+        console.print(f"trip report: {file}  (hydrohil trip {file})", highlight=False, soft_wrap=True)
 
 
 def claims_table(verdicts: tuple[Verdict, ...]) -> Table:
@@ -118,6 +132,8 @@ def write_json(path: Path, report: Report) -> None:
                 "source_version": source_version(),
                 "exit_status": report.exit_status,
                 "tripped": report.tripped or None,
+                "trip": report.trip and {name: value for name, value in report.trip.items() if name != "signals"},
+                "trip_report": report.trip_file or None,
                 "gap": report.gap or None,
                 "wall_s": report.wall_s,
                 "latencies": report.latencies or None,

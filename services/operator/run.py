@@ -13,11 +13,15 @@ from rich.progress import BarColumn, Progress, TextColumn, TimeRemainingColumn
 from experiments.claims import Verdict, judge
 from experiments.experiment import Experiment, warnings
 from experiments.trace import Trace, save
-from reproduction.play import play
+from reproduction.play import played
+from rollout.rollout import play_local
 from services.operator import cell as cells
 from services.operator.options import writing
-from services.operator.report import Report, markdown
+from services.operator.report import Report, markdown, show_trip
 from services.operator.session import Live, run_live
+from services.operator.trip_file import kept_file
+from services.operator.trip_local import local_report
+from services.recorder.trip_report import Document
 from shared.bus import Bus
 from shared.topics import SERVICES
 
@@ -51,8 +55,10 @@ def _warn(console: Console, lines: Iterable[str]) -> None:
 def _local(wanted: Wanted, console: Console) -> Report:
     began = time.perf_counter()
     with console.status("running (the first run after a change compiles)"):
-        played = play(wanted.experiment, wanted.seed)
-    return _report(wanted, played.trace, played.tripped, "", time.perf_counter() - began, {})
+        outcome = play_local(wanted.experiment, wanted.seed)
+    made = played(outcome)
+    report = _report(wanted, made.trace, made.tripped, "", time.perf_counter() - began, {})
+    return _with_trip(report, local_report(wanted.experiment, outcome), None)
 
 
 def _in_cell(place: cells.Place, wanted: Wanted, console: Console) -> Report:
@@ -93,16 +99,24 @@ def _found(bus: Bus) -> set[str]:
 
 def _run_and_record(bus: Bus, wanted: Wanted, console: Console) -> Report:
     recorded = _start_recording(bus, wanted, console)
+    trips: list[Document] = []
     began = time.perf_counter()
     try:
         with _progress(console) as progress:
             task = progress.add_task(wanted.experiment.name, total=wanted.experiment.duration_s)
             live = run_live(
-                bus, wanted.experiment, wanted.seed, wanted.clock, lambda t: progress.update(task, completed=max(0.0, t))
+                bus,
+                wanted.experiment,
+                wanted.seed,
+                wanted.clock,
+                lambda t: progress.update(task, completed=max(0.0, t)),
+                trips.append,
             )
     except (KeyboardInterrupt, cells.CellError):
         if recorded:
             bus.ask("recorder", "finish", {"summary_markdown": f"# {wanted.experiment.name}: ended early, no verdict"}, 10.0)
+        for document in trips:
+            show_trip(console, document, kept_file(document, bus))
         raise
     wall_s = time.perf_counter() - began
     report = _report(wanted, live.trace, live.tripped, live.gap, wall_s, _latencies(live))
@@ -112,7 +126,11 @@ def _run_and_record(bus: Bus, wanted: Wanted, console: Console) -> Report:
     report = report._replace(warnings=report.warnings + of_cell)
     if recorded:
         report = report._replace(recording=_finish_recording(bus, report, console))
-    return report
+    return _with_trip(report, trips[0] if trips else None, bus)
+
+
+def _with_trip(report: Report, document: Document | None, bus: Bus | None) -> Report:
+    return report if document is None else report._replace(trip=document, trip_file=kept_file(document, bus))
 
 
 def _progress(console: Console) -> Progress:

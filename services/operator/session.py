@@ -12,11 +12,14 @@ from services.operator.cell import LOOP, CellError, TrippedError, ask, statuses
 from services.operator.collect import Collector, GapError
 from services.operator.strikes import Strikes
 from services.plant.config import bias_ticks
+from services.recorder.trip_report import Document
+from services.recorder.trip_ring import AFTER_NS
 from shared.bus import Bus
 from shared.codec import Received, Rejected
 from shared.envelope import seal
 from shared.faults import of_group
 from shared.messages import NO_COMMAND, NO_TRIAL, Mode
+from shared.units import NS_PER_S
 
 _RUN_BITS = 48
 _WATCH_S = 0.05
@@ -121,8 +124,15 @@ def watch(collector: Collector, experiment: Experiment, show: Callable[[float], 
             raise CellError(f"the {' and the '.join(silent)} has fallen silent; see `hydrohil status`")
 
 
-def run_live(bus: Bus, experiment: Experiment, seed: int, clock: str, show: Callable[[float], None]) -> Live:
-    """Load, arm, start, watch to the end; always disarms."""
+def run_live(
+    bus: Bus,
+    experiment: Experiment,
+    seed: int,
+    clock: str,
+    show: Callable[[float], None],
+    tell: Callable[[Document], object] = lambda document: None,
+) -> Live:
+    """Load, arm, start, watch to the end; always disarms. `tell` gets the report of a trip, also where CellError is raised."""
     run, warnings = load(bus, experiment, seed, clock)
     collector = Collector(bus)
     strikes = Strikes(bus, of_group(experiment.faults, "process"), experiment.duration_s)
@@ -140,6 +150,7 @@ def run_live(bus: Bus, experiment: Experiment, seed: int, clock: str, show: Call
         raise
     except CellError as error:
         bus.ask("supervisor", "stop", {}, 1.0)
+        _tell_trip(bus, collector, tell)
         raise CellError("; ".join((str(error), *strikes.told))) from error
     finally:
         strikes.end()
@@ -147,7 +158,9 @@ def run_live(bus: Bus, experiment: Experiment, seed: int, clock: str, show: Call
     time.sleep(_WATCH_S)  # the last answers are under way
     found = statuses(bus)
     ticks = duration_ticks(experiment.duration_s, experiment.plant)
-    tripped = collector.trip(run)
+    if tripped := collector.trip(run):
+        time.sleep(AFTER_NS / NS_PER_S)  # what comes after belongs to the report
+        _tell_trip(bus, collector, tell)
     try:
         trace = collector.trace(run, ticks)
     except GapError as error:
@@ -155,3 +168,9 @@ def run_live(bus: Bus, experiment: Experiment, seed: int, clock: str, show: Call
     if not tripped and len(trace.tick) != ticks:
         return Live(None, f"the trial ended after {len(trace.tick)} of {ticks} samples", tripped, found, warnings, struck)
     return Live(trace, "", tripped, found, warnings, struck)
+
+
+def _tell_trip(bus: Bus, collector: Collector, tell: Callable[[Document], object]) -> None:
+    document = collector.report(bus.identity.cell)
+    if document is not None:
+        tell(document)

@@ -1,7 +1,8 @@
 """How old everything was at a trip: each age is a difference of two stamps of one clock, and says whose.
 
 The plant tells the age of what lay at its gate, the controller its own computing time; what was heard, and when, is by the
-clock of whoever collected the messages. Two machines' clocks are never subtracted.
+clock of whoever collected the messages: below zero, an answer came there before the sample that it answers. In lockstep
+the plant's clock is simulated time. Two machines' clocks are never subtracted.
 """
 
 from typing import Any

@@ -113,7 +113,7 @@ def stop(signals: Tables, number: int, n_per_count: float) -> Document:
     samples = signals.get(SAMPLE, {})
     later = [i for i, n in enumerate(samples.get("number", [])) if n >= number]
     zero = next((i for i in later if tuple(samples[f"dac_counts[{k}]"][i] for k in range(3)) == _ZERO), None)
-    forces = [samples["force_counts"][i] * n_per_count for i in later]
+    forces = [samples["force_counts"][i] * n_per_count for i in later if samples["force_counts"][i] is not None]
     table, field = (signals[TRUTH], "tip_m") if TRUTH in signals else (signals.get(STATE, {}), "x_m")
     return {
         "zero_sample": None if zero is None else samples["number"][zero],
