@@ -147,7 +147,7 @@ def test_an_int_is_no_float():
     key = expression(CELL, topic.key)
 
     def event(measured):
-        return decode(key, topic, CELL, sealed([*header(topic.key), [1, 2, 3, 4, measured, 1.0]], key), 0)
+        return decode(key, topic, CELL, sealed([*header(topic.key), [1, 2, 3, 4, 5, 6, measured, 1.0]], key), 0)
 
     assert isinstance(event(5.0), Received)
     assert event(5).cause == event(True).cause == "malformed"
