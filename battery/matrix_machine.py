@@ -3,7 +3,7 @@
 from functools import partial
 
 from battery.simulations import broken
-from battery.strikes import beyond_joint, beyond_workspace, gated, struck, struck_live
+from battery.strikes import beyond_joint, beyond_workspace, gated, pushed, struck_live
 from battery.trial import Lived, Played, Proved, Row, Untried
 from shared.faults import Fault
 
@@ -67,9 +67,9 @@ MACHINE = (
         "the supervisor trips; the gate cuts by its own limit",
         "2 T; the gate: its own latch",
         (
-            Played("the supervisor's 334 N", struck),
+            Played("pushed beyond the supervisor's 334 N", pushed),
             Played("the gate's own limit, set below the supervisor's", gated),
-            Lived("struck live; overshoot told", struck_live, most=10),
+            Lived("struck at full speed; overshoot told", struck_live, most=10),
         ),
     ),
     Row("21", "force rate, time in contact, energy", "safe", "T", (Untried("no rule of this name yet"),)),

@@ -16,7 +16,7 @@ from rollout.rollout import Outcome, play_local
 from services.plant.config import GateLimits
 from services.plant.mechanism import posture, tip
 from services.supervisor.rules import trip_words
-from shared.faults import Fault
+from shared.faults import Fault, ticks_of
 from shared.messages import GateCause, Mode, TripCause
 from shared.units import NS_PER_S, SUBSTEP_S
 
@@ -57,17 +57,13 @@ def period_s(experiment: Experiment) -> float:
     return experiment.plant.sample_period_substeps * SUBSTEP_S
 
 
-def first_row(rows: Columns, at_s: float) -> int:
-    """The first sample that has a fault of `at_s`."""
-    return int(np.searchsorted(rows.time_ns, round(at_s * NS_PER_S)))
-
-
 def broken(seed: int, motion: str, faults: Callable[[float], tuple[Fault, ...]], bound: Callable[[float], float]) -> Trial:
     """`faults` of the instant at which they begin, in a trial of `motion`; `bound` of T, in s."""
     at_s = at(seed)
     experiment = MOTIONS[motion]._replace(duration_s=PLAYED_S, faults=faults(at_s))
     outcome = play_local(experiment, seed)
-    return timed(experiment, outcome, first_row(outcome.rows, at_s), bound(period_s(experiment)))
+    first, _ = ticks_of(experiment.faults[0], round(period_s(experiment) * NS_PER_S))
+    return timed(experiment, outcome, first - outcome.first_tick, bound(period_s(experiment)))
 
 
 def timed(experiment: Experiment, outcome: Outcome, row: int, bound_s: float) -> Trial:

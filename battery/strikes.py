@@ -37,10 +37,19 @@ STRIKE = SWING._replace(
 )
 
 
-def struck(seed: int) -> Trial:
+PUSH = STRIKE._replace(
+    name="battery-push",
+    alias="battery-push",
+    title="The tool is pushed into the stiff plate, slowly enough that the force itself is what passes its limit",
+    duration_s=6.0,
+    reference=(Segment("q2", "ramp", 0.5, 4.0, 0.2),),
+)
+
+
+def pushed(seed: int) -> Trial:
     """From the first sample above the supervisor's limit of 334 N."""
-    limit_n = STRIKE.supervisor.force_limit_n
-    return crossed(seed, STRIKE, lambda rows: rows.force_counts * N_PER_FORCE_COUNT > limit_n + bias_n(rows), _two_periods)
+    limit_n = PUSH.supervisor.force_limit_n
+    return crossed(seed, PUSH, lambda rows: rows.force_counts * N_PER_FORCE_COUNT > limit_n + bias_n(rows), _two_periods)
 
 
 def bias_n(rows: Columns) -> float:
@@ -86,11 +95,13 @@ def struck_live(rig: Rig, dice: Random, number: int) -> Trial:
     before = [m.body.force_counts for m in heard.samples if NO_TRIAL < m.body.tick < 0]
     bias = N_PER_FORCE_COUNT * sum(before) / max(1, len(before))
     above = [m for m in heard.samples if m.body.tick >= 0 and m.body.force_counts * N_PER_FORCE_COUNT - bias > limit_n]
+    began_ns = next(m.arrival_ns for m in heard.samples if m.body.tick != NO_TRIAL)  # before, the tool may still be in contact
+    peak_n = max(m.body.contact_force_n for m in since(heard.truths, began_ns))
+    told = f"peak {peak_n:.0f} N, overshoot {peak_n - limit_n:.0f} N"
     if not above:
-        return Trial(False, "the plate was not struck hard enough")
+        return confirmed(rig, Trial(True, f"zero current before the force limit was reached; {told}"), burned, tripped=True)
     trial = judged(heard, above[0].arrival_ns, 2.0 * period_s(STRIKE) + hop_s(heard))
-    peak_n = max(m.body.contact_force_n for m in heard.truths)
     at_ns = zero_at(heard, above[0].arrival_ns) or above[0].arrival_ns
     samples = sum(m.arrival_ns < at_ns for m in since(heard.samples, above[0].arrival_ns)) - 1
-    words = f"{trial.words}; zero {max(0, samples)} samples later; peak {peak_n:.0f} N, overshoot {peak_n - limit_n:.0f} N"
+    words = f"{trial.words}; zero {max(0, samples)} samples after the limit; {told}"
     return confirmed(rig, trial._replace(words=words), burned, tripped=True)
