@@ -1,6 +1,7 @@
 """Plays the matrix: local trials and those in the cell one by one, the tests at the end, in one process of pytest."""
 
-from collections.abc import Callable, Iterable, Sequence
+from collections.abc import Callable, Iterable, Mapping, Sequence
+from functools import partial
 from random import Random
 from typing import NamedTuple
 
@@ -22,24 +23,31 @@ class Wish(NamedTuple):
     quick: bool
 
 
+Rigs = Mapping[str, Rig]  # "L": a cell for lockstep, "W": one for the wall clock
+
+
 class Battery:
     """Rows under way; what is complete stays, whatever ends it."""
 
-    def __init__(self, rows: Sequence[Row], rig: Rig, wish: Wish, show: Callable[[str, Trial | None], None]) -> None:
+    def __init__(self, rows: Sequence[Row], rigs: Rigs, wish: Wish, show: Callable[[str, Trial | None], None]) -> None:
         """`show` is told of every trial: its row and way, and what it showed (None: it begins)."""
-        self.rows, self.rig, self.wish, self.show = tuple(rows), rig, wish, show
+        self.rows, self.rigs, self.wish, self.show = tuple(rows), rigs, wish, show
         self.tried: dict[tuple[str, int], Tried] = {}
 
     def play(self) -> None:
-        """Everything. A KeyboardInterrupt leaves what is complete."""
-        proofs = []
-        for row in self.rows:
-            for place, way in enumerate(row.ways):
-                if isinstance(way, Proved):
-                    proofs.append((row, place, way))
-                else:
-                    self._try(row, place, way)
-        self._prove(proofs)
+        """Everything, one kind after the other: two cells at once would disturb each other. Ctrl-C leaves what is complete."""
+        ways = [(row, place, way) for row in self.rows for place, way in enumerate(row.ways)]
+        for row, place, way in ways:
+            if isinstance(way, Untried):
+                self.tried[row.number, place] = Tried(way, (), way.words)
+            elif isinstance(way, Played):
+                self._repeat(row, place, way, partial(self._alone, way))
+        for letter, rig in self.rigs.items():
+            with rig:
+                for row, place, way in ways:
+                    if isinstance(way, Lived) and way.letter == letter:
+                        self._live(row, place, way, rig)
+        self._prove([(row, place, way) for row, place, way in ways if isinstance(way, Proved)])
 
     def results(self) -> tuple[Result, ...]:
         """Every row, complete or not."""
@@ -48,28 +56,30 @@ class Battery:
             for row in self.rows
         )
 
-    def _try(self, row: Row, place: int, way: Way) -> None:
-        if isinstance(way, Untried):
-            self.tried[row.number, place] = Tried(way, (), way.words)
-        elif isinstance(way, Lived) and way.letter == "W" and self.wish.quick:
-            self.tried[row.number, place] = Tried(way, (), QUICK)
-        elif isinstance(way, Played | Lived):
-            for number in range(count(way, self.wish.trials)):
-                self.show(title(row, way), None)
-                self._add(row, place, way, self._trial(row, way, number))
+    def _repeat(self, row: Row, place: int, way: Played | Lived, trial: Callable[[int], Trial]) -> None:
+        for number in range(count(way, self.wish.trials)):
+            self.show(title(row, way), None)
+            self._add(row, place, way, trial(number))
 
-    def _trial(self, row: Row, way: Played | Lived, number: int) -> Trial:
-        if isinstance(way, Played):
-            return way.trial(self.wish.seed + number)
+    def _alone(self, way: Played, number: int) -> Trial:
+        return way.trial(self.wish.seed + number)
+
+    def _live(self, row: Row, place: int, way: Lived, rig: Rig) -> None:
+        if way.letter == "W" and self.wish.quick:
+            self.tried[row.number, place] = Tried(way, (), QUICK)
+        else:
+            self._repeat(row, place, way, partial(self._in_cell, row, way, rig))
+
+    def _in_cell(self, row: Row, way: Lived, rig: Rig, number: int) -> Trial:
         dice = Random(f"{self.wish.seed} {row.number} {way.words} {number}")
         try:
-            trial = way.trial(self.rig, dice, number)
+            trial = way.trial(rig, dice, number)
         except CellError as error:  # a cell that does not do what it should has not survived
             trial = Trial(False, str(error))
-            self.rig.renew()
+            rig.renew()
         if way.whole:
-            self.rig.thaw()
-            self.rig.revive()
+            rig.thaw()
+            rig.revive()
         return trial
 
     def _add(self, row: Row, place: int, way: Way, *trials: Trial) -> None:

@@ -4,18 +4,21 @@ from collections.abc import Callable, Sequence
 from random import Random
 
 from battery.observer import Heard, safe
+from battery.processes import WATCHED_S, confirmed, judged
 from battery.rig import Rig
-from battery.swings import SWING
+from battery.swings import SWING, motion
 from battery.trial import Trial
 from experiments.experiment import Experiment
+from services.operator.cell import CellError
 from services.plant.config import latch_substeps
 from shared.codec import Received
 from shared.faults import Fault
-from shared.messages import Mode
+from shared.messages import Mode, TripCause
 from shared.units import NS_PER_S, SUBSTEP_NS, SUBSTEP_S
 
 AT_S = (0.4, 0.8)  # the fault begins somewhere between
 AFTER_S = 1.2  # of the trial, after the fault has begun
+LOSSY_S = 6.0  # a run of losses takes a while to come
 QUIET_S = 0.1  # of wall time, after the trial has ended
 PATIENCE_S = 30.0
 T_S = SWING.plant.sample_period_substeps * SUBSTEP_S
@@ -33,14 +36,16 @@ def trial_of(faults: tuple[Fault, ...], duration_s: float) -> Experiment:
     return SWING._replace(plant=SWING.plant._replace(jitter_substeps=0), duration_s=duration_s, faults=faults)
 
 
-def played(rig: Rig, dice: Random, faults: Faults) -> tuple[Heard, int]:
+def played(rig: Rig, dice: Random, faults: Faults, after_s: float = AFTER_S) -> tuple[Heard, int]:
     """What was heard of a trial, and where in its samples the first one is that has the fault."""
     rig.calm()
     at_s, lease_s = dice.uniform(*AT_S), rig.lease_s()
-    rig.started(trial_of(faults(at_s, lease_s), at_s + AFTER_S), dice.randrange(1 << 32), "lockstep")
+    rig.started(trial_of(faults(at_s, lease_s), at_s + after_s), dice.randrange(1 << 32), "lockstep")
     rig.await_(lambda: _over(rig), "the trial's end", PATIENCE_S)
     heard = rig.observer.listen_for(QUIET_S)
-    first = next(i for i, m in enumerate(heard.samples) if m.body.tick >= 0 and m.body.trial_time_ns >= at_s * NS_PER_S)
+    first = next((i for i, m in enumerate(heard.samples) if _has(m, at_s)), None)
+    if first is None:
+        raise CellError(f"the trial ended before its fault: {rig.words()}")
     return heard, first
 
 
@@ -77,6 +82,32 @@ def borne(rig: Rig, dice: Random, _: int, faults: Faults) -> Trial:
     return Trial(not tripped, f"{len(heard.samples) - first} samples since the fault; {rig.words()}")
 
 
+def lossy(rig: Rig, dice: Random, _: int, share: float) -> Trial:
+    """Commands are lost at random: the current ends with the first run of losses that the lease does not bear, and not before.
+
+    It may also end because too few of the last 100 samples were answered in time.
+    """
+    heard, first = played(rig, dice, on("loss", "controller>plant", share), LOSSY_S)
+    bearable = survivable(rig.lease_s())
+    run, longest, lost, zero = 0, 0, 0, None
+    for i in range(first + 1, len(heard.samples)):
+        body = heard.samples[i].body
+        if safe(heard.samples[i]):
+            zero = i
+            break
+        run = run + 1 if body.command_number < body.number - 1 else 0
+        lost, longest = lost + (run > 0), max(longest, run)
+    count = (zero or len(heard.samples)) - first - 1
+    supervisor = rig.status("supervisor")
+    cut = supervisor.get("mode") == Mode.TRIPPED.name and supervisor.get("cause") != TripCause.QUALITY.name
+    survived = (1.0 - share ** (bearable + 1)) ** count
+    words = (
+        f"{lost} of {count} commands lost, {longest} in a row before the end; the lease bears {bearable}, so that many samples "
+        f"pass with probability {survived:.2g}; {rig.words()}"
+    )
+    return Trial(longest <= bearable and (run == bearable or not cut), words)
+
+
 def on(kind: str, target: str, value: float = 0.0, lasts_s: float = 0.0) -> Faults:
     """One fault from its instant on."""
     return lambda at_s, _lease_s: (Fault(kind, target, at_s, lasts_s, value),)
@@ -90,6 +121,23 @@ def burst(beyond: int) -> Faults:
 def delayed(share: float) -> Faults:
     """Every command later by this share of the lease."""
     return lambda at_s, lease_s: (Fault("delay", "controller>plant", at_s, 0.0, 1000.0 * share * lease_s),)
+
+
+def live(rig: Rig, dice: Random, number: int, target: str) -> Trial:
+    """A partition with the wall clock: from the arrival of the first sample that has it."""
+    at_s = dice.uniform(*AT_S)
+    experiment = motion(number)._replace(faults=(Fault("partition", target, at_s),))
+    rig.started(experiment, dice.randrange(1 << 32))
+    burned = int(rig.status("plant")["burned_armings"])
+    lease_s = rig.lease_s()
+    rig.await_(lambda: any(_has(m, at_s) for m in rig.observer.listen().samples[-20:]), "the partition")
+    heard = rig.observer.listen_for(lease_s + WATCHED_S)
+    blow_ns = next(m.arrival_ns for m in heard.samples if _has(m, at_s))
+    return confirmed(rig, judged(heard, blow_ns, lease_and_period(lease_s)), burned, tripped=True)
+
+
+def _has(sample: Received, at_s: float) -> bool:
+    return bool(sample.body.tick >= 0 and sample.body.trial_time_ns >= at_s * NS_PER_S)
 
 
 def lease_and_period(lease_s: float) -> float:

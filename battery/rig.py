@@ -20,11 +20,18 @@ from shared.topics import SERVICES
 PATIENCE_S = 5.0
 OBSERVER_PRIORITY = 60  # above the services: it works for microseconds a sample
 RETRIES = 3
+LOCKSTEP_LEASE_MS = "20"
 SETTLE_S = 0.3  # from tick 0 until the swing is under way
 PHASES_S = 0.6  # the blow falls anywhere in this stretch
 HOLD_EVERY_S, RECOVER_S = 0.05, 0.5  # a hold-to-run request is repeated, until the force is gone
 _POLL_S = 0.002
 Extra = dict[str, list[str]]
+
+
+def lockstep_extra(extra: Extra) -> Extra:
+    """Options of a cell for lockstep: its lease passes in simulated time, so it is that of industrial arms on any host."""
+    common = list(extra.get("controller", ()))
+    return extra | {"plant": [*common, "--permit-ttl-ms", LOCKSTEP_LEASE_MS]}
 
 
 def hear_promptly() -> bool:

@@ -16,6 +16,7 @@ if TYPE_CHECKING:  # the page's libraries load when it is made
     from battery.report import Report
     from battery.trial import Row, Trial
 
+LOCKSTEP_PORTS = 12  # beyond those of the other cells that a battery may have
 FIRST_PORT = 7650  # beside a cell that is up: the battery has one of its own
 
 
@@ -65,7 +66,7 @@ def _play(
 
     from battery.battery import Battery, Wish, total
     from battery.report import Report
-    from battery.rig import Rig
+    from battery.rig import Rig, lockstep_extra
     from reproduction.report import machine
     from services.operator.cell import Place
 
@@ -73,7 +74,9 @@ def _play(
     again: list[str] = []
     made = datetime.now().astimezone().isoformat(" ", "seconds")
     columns = (TextColumn("{task.description}"), BarColumn(), MofNCompleteColumn(), TimeElapsedColumn())
-    with Progress(*columns, console=console) as progress, Rig(Place(cell, port), extra, again.append) as rig:
+    stepped = Rig(Place(f"{cell}-lockstep", port + LOCKSTEP_PORTS), lockstep_extra(extra), again.append)
+    rig = Rig(Place(cell, port), extra, again.append)
+    with Progress(*columns, console=console) as progress:
         task = progress.add_task("starting; compiles once after a change", total=total(chosen, wish))
 
         def show(title: str, trial: "Trial | None") -> None:
@@ -81,14 +84,13 @@ def _play(
             if trial is not None and not trial.held:
                 progress.console.print(f"[red bold]NOT SURVIVED[/] {title}: {trial.words}", highlight=False)
 
-        battery = Battery(chosen, rig, wish, show)
+        battery = Battery(chosen, {"L": stepped, "W": rig}, wish, show)
         try:
             battery.play()
         except KeyboardInterrupt:
             interrupted = True
-        lease_ms = rig.lease_ms
     results, took_s = battery.results(), time.perf_counter() - began
-    return Report(results, wish.trials, wish.seed, lease_ms, interrupted, "", made, took_s, machine(), "", tuple(again))
+    return Report(results, wish.trials, wish.seed, rig.lease_ms, interrupted, "", made, took_s, machine(), "", tuple(again))
 
 
 def _finish(report: "Report", json_file: Path | None, html: Path, junit_file: Path) -> None:
