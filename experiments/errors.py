@@ -3,6 +3,7 @@
 import difflib
 import json
 from collections.abc import Iterable, Sequence
+from types import NoneType, UnionType
 from typing import Annotated, Any, NamedTuple, get_args, get_origin, get_type_hints
 
 _UNIT_WORDS = {
@@ -59,15 +60,20 @@ def names_at(schema: Any, location: Location) -> tuple[str, ...]:
     """Field names of the tuple type that `location` leads to, empty where it leads elsewhere."""
     for part in location:
         schema = _child(schema, part)
-    return getattr(_bare(schema), "_fields", ())
+    return tuple(name.rstrip("_") for name in getattr(_bare(schema), "_fields", ()))  # `from_`: a keyword of Python
 
 
 def _bare(schema: Any) -> Any:
-    return _bare(get_args(schema)[0]) if get_origin(schema) is Annotated else schema
+    """Without annotations and without "or None"."""
+    if get_origin(schema) is Annotated or (get_origin(schema) is UnionType and get_args(schema)[-1] is NoneType):
+        return _bare(get_args(schema)[0])
+    return schema
 
 
 def _child(schema: Any, part: str | int) -> Any:
     bare = _bare(schema)
+    if get_origin(bare) is dict:
+        return get_args(bare)[1]
     if isinstance(part, int):
         arguments = get_args(bare) or (None,)
         return arguments[0] if arguments[-1] is Ellipsis else arguments[min(part, len(arguments) - 1)]

@@ -19,7 +19,7 @@ Function = TypeVar("Function", bound=Callable[..., Any])
 _marked: list[Callable[..., Any]] = []
 _registered = 0
 _SOURCE_ROOT = Path(__file__).resolve().parent.parent
-_SOURCE_FOLDERS = ("shared", "services", "rollout", "experiments", "analysis", "reproduction", "tuning", "battery")
+_SOURCE_FOLDERS = ("shared", "services", "rollout", "experiments", "analysis", "reproduction", "tuning", "battery", "campaigns")
 KERNEL_FOLDERS = ("shared", "services/plant", "services/controller", "services/supervisor", "rollout")  # where kernels may be
 
 

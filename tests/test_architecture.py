@@ -10,7 +10,7 @@ from shared.kernel import KERNEL_FOLDERS
 ROOT = Path(__file__).resolve().parent.parent
 SOURCES = {
     path.relative_to(ROOT).as_posix(): path
-    for folder in ("shared", "services", "rollout", "experiments", "analysis", "reproduction", "tuning", "battery")
+    for folder in ("shared", "services", "rollout", "experiments", "analysis", "reproduction", "tuning", "battery", "campaigns")
     for path in (ROOT / folder).rglob("*.py")
 }
 IMPURE = {
@@ -85,6 +85,7 @@ BELOW = {  # what each folder may import of ours, beside itself; a service: `sha
     "reproduction": {"shared", "services", "experiments", "rollout", "analysis"},
     "tuning": {"shared", "services", "experiments", "rollout"},
     "battery": {"shared", "services", "experiments", "rollout", "reproduction"},
+    "campaigns": {"shared", "services", "experiments", "rollout"},
 }
 CELLS = ("services.operator.cell", "services.operator.session")  # what the battery takes of the operator: cells, not commands
 

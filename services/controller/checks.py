@@ -4,6 +4,7 @@ Every rule states what must hold, so that NaN fails.
 """
 
 import math
+from functools import lru_cache
 
 from services.controller.config import ControllerConfig, ImpedanceConfig, Reference, Segment, impedance_params, segment_table
 from services.controller.kinematics import clamp_joints, inverse
@@ -48,7 +49,7 @@ def check(
         check_segment(segment, config.target, f"reference segment {index} ({segment.channel}, {segment.kind})")
     if not all(map(math.isfinite, (*q0_rad, pitch_rad))):
         raise ValueError(f"plant: the start pose {q0_rad} (rad, rad, m) is not finite; give numbers")
-    check_travel(config, reference, q0_rad, pitch_rad)
+    check_travel(config.target, reference, q0_rad, pitch_rad)
     if met is not None and config.target == "impedance":
         check_push(config.impedance, reference, q0_rad, pitch_rad, met)
 
@@ -106,13 +107,17 @@ def check_segment(segment: Segment, target: str, name: str) -> None:
         raise ValueError(f"{name}: frequency_hz must be > 0")
 
 
-def check_travel(config: ControllerConfig, reference: Reference, q0_rad: Triple, pitch_rad: float) -> None:
-    """Raise ValueError where the reference, before any force acts, leaves the travel of a link."""
+@lru_cache(maxsize=64)
+def check_travel(target: str, reference: Reference, q0_rad: Triple, pitch_rad: float) -> None:
+    """Raise ValueError where the reference, before any force acts, leaves the travel of a link.
+
+    It samples all of the reference, and thousands of trials share one: what was found right is remembered.
+    """
     table = segment_table(reference)
     x0_m = forward(UNIMATE_GEOMETRY, q0_rad, pitch_rad)
     for time_s in check_times(reference):
         deltas = reference_deltas(table, time_s)
-        if config.target == "joint":
+        if target == "joint":
             _, clamped = clamp_joints(UNIMATE_GEOMETRY, (q0_rad[0] + deltas[0], q0_rad[1] + deltas[1], q0_rad[2] + deltas[2]))
         else:
             _, clamped = inverse(UNIMATE_GEOMETRY, (x0_m[0] + deltas[3], x0_m[1] + deltas[4], x0_m[2] + deltas[5]), pitch_rad)

@@ -2,6 +2,7 @@
 
 from services.operator import (
     analysis_commands,
+    campaign_command,
     cell_commands,
     experiment_commands,
     explain_command,
@@ -17,6 +18,7 @@ from services.operator.options import app
 __all__ = [
     "analysis_commands",
     "app",
+    "campaign_command",
     "cell_commands",
     "experiment_commands",
     "explain_command",
