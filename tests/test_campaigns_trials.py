@@ -1,6 +1,7 @@
 """Trials by their number: every combination once, the same draws at every point, each runnable alone."""
 
 import shlex
+from itertools import pairwise
 from typing import Any
 
 import pytest
@@ -53,7 +54,7 @@ def test_the_printed_command_makes_the_same_experiment():
     trial = trial_of(one.campaign, 9)
     words = shlex.split(command(one, trial))
     assert words[:3] == ["hydrohil", "run", "fig-5-5"]
-    settings = [value for flag, value in zip(words, words[1:], strict=False) if flag == "--set"]
+    settings = [value for flag, value in pairwise(words) if flag == "--set"]
     assert with_overrides(find("fig-5-5"), settings) == experiment_of(one, trial.parameters)
     assert words[words.index("--seed") + 1] == str(trial.seed)
 

@@ -11,6 +11,7 @@ import time
 from pathlib import Path
 from types import SimpleNamespace
 
+import psutil
 import pyarrow.parquet as pq
 import pytest
 from distributed import LocalCluster
@@ -38,10 +39,13 @@ def cut(file: Path, out: Path, number: int) -> SimpleNamespace:
     process = subprocess.Popen(words, stdout=subprocess.PIPE, stderr=subprocess.STDOUT, text=True)
     while process.poll() is None and len(list(parts.glob("*.arrow"))) <= before:
         time.sleep(0.002)
+    workers = psutil.Process(process.pid).children(recursive=True)
     process.send_signal(number)
     told, _ = process.communicate()
-    children = subprocess.run(["pgrep", "-f", str(out)], capture_output=True, text=True, check=False).stdout
-    return SimpleNamespace(status=process.returncode, told=told, parts=len(list(parts.glob("*.arrow"))), left=children.split())
+    _, left = psutil.wait_procs(workers, timeout=20.0)
+    return SimpleNamespace(
+        status=process.returncode, told=told, parts=len(list(parts.glob("*.arrow"))), started=workers, left=left
+    )
 
 
 @pytest.fixture(scope="module")
@@ -79,6 +83,12 @@ def test_a_campaign_that_was_interrupted_and_killed_goes_on_where_it_was(broken:
     told = json.loads((broken.out / "s.json").read_text())
     assert 0 < told["ran_now"] < 300 and f"goes on: {300 - told['ran_now']} of 300" in broken.last.stdout
     assert told["ended"] == {"completed": 300, "tripped": 0, "refused": 0}
+
+
+@pytest.mark.parametrize("how", ["interrupted", "killed"])
+def test_its_workers_end_with_it(broken: SimpleNamespace, how: str):
+    ended = getattr(broken, how)
+    assert ended.started and not ended.left
 
 
 def test_its_table_is_that_of_one_that_was_never_stopped_and_ran_on_a_cluster(broken: SimpleNamespace, whole: SimpleNamespace):
