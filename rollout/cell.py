@@ -14,9 +14,8 @@ from services.plant.faulty_sensors import faulty_sense
 from services.plant.gate import CommandSeen, GateInput, GateMemory, PermitSeen, gate_step
 from services.plant.machine import MachineState, advance, truth
 from services.plant.params import ContactParams, MachineParams
-from services.supervisor.answers import Answers
 from services.supervisor.modes import NOTHING, RUNNING
-from services.supervisor.observe import Bias, Links, Watch
+from services.supervisor.observe import Links, watch_start
 from services.supervisor.step import Asked, SupervisorMemory, SupervisorParams, supervisor_step
 from shared.kernel import kernel
 from shared.messages import ControllerState, Permit, Sample, Truth
@@ -167,9 +166,7 @@ def play(
 ) -> tuple[SupervisorMemory, GateMemory, int]:
     """Run every tick; returns the supervisor's and the gate's last state and the number of rows written."""
     state, gate = setup.start, GateMemory(0, 1, (2048, 2048, 2048), -1, 0, 0, 0, 0, (0,) * 16, (0, 0, 0))
-    watch = SupervisorMemory(
-        RUNNING, _ARMING, 0, 0.0, 0.0, -1, 0, 0, 0, (0, 0, 0), Watch(-1, Bias(0.0, 0.0, 0.0, 0.0, 0), Answers(0, 0, 0, 0))
-    )
+    watch = SupervisorMemory(RUNNING, _ARMING, 0, 0.0, 0.0, -1, 0, 0, 0, (0, 0, 0), watch_start())
     time_ns = 0
     trial_time_ns = 0
     for i in range(-setup.first_tick):

@@ -19,6 +19,9 @@ class Cause(NamedTuple):
 
 _UNLOAD = "`hydrohil recover` lowers it with the gate's consent, then `hydrohil reset`"
 _GAUGE = "check gauge, cable and amplifier; a reading that is not valid is never taken for zero; then `hydrohil reset`"
+_ENCODER = "check encoder and cable, and that its zero is where it was: a pose that jumped is not known; then `hydrohil reset`"
+_VALVE = "check supply pressure, valve, its cable and the encoder; then `hydrohil reset`"
+_SLOWER = "ask for less, or find what drove it; then `hydrohil reset`"
 _TRANSPORT = "see the ages and counters: who was late or silent; then `hydrohil reset`"
 _ANEW = "find out who said so; then `hydrohil reset`, and arm again"
 
@@ -43,10 +46,65 @@ TRIPS: dict[TripCause, Cause] = {
         "the force without its bias is at most the force limit, either sign",
         _UNLOAD,
     ),
+    TripCause.FORCE_FROZEN: Cause(
+        "the force reading stood still for {measured:.0f} samples against at most {limit:.0f}",
+        "the force reading shows the gauge's known noise",
+        _GAUGE,
+    ),
+    TripCause.FORCE_JUMP: Cause(
+        "the force reading jumped by {measured:.1f} N where noise and motion explain {limit:.1f} N",
+        "from sample to sample the force changes by no more than noise, and the gauge's stiffness times the way, explain",
+        _GAUGE,
+    ),
+    TripCause.FORCE_RATE: Cause(
+        "the contact force changed at {measured:.0f} N/s against its limit of {limit:.0f} N/s",
+        "the contact force changes slowly enough to be stopped below its limit",
+        _UNLOAD,
+    ),
+    TripCause.FORCE_HELD: Cause(
+        "the contact force stayed above its level for {measured:.2f} s against at most {limit:.2f} s",
+        "the contact force stays above the contact level only briefly",
+        _UNLOAD,
+    ),
+    TripCause.FORCE_ENERGY: Cause(
+        "this contact put {measured:.1f} J into the environment against its limit of {limit:.1f} J",
+        "the work done on the environment by one contact is bounded",
+        _UNLOAD,
+    ),
+    TripCause.FORCE_DRIFT: Cause(
+        "the force reading rose by {measured:.1f} N where the way into the environment explains {limit:.1f} N",
+        "the force grows only as the tool goes further in",
+        _GAUGE,
+    ),
+    TripCause.FORCE_BELOW_BIAS: Cause(
+        "the force read {measured:.1f} N below its bias against at most {limit:.1f} N",
+        "the gauge, which can only be pushed, does not read below its bias",
+        _GAUGE,
+    ),
     TripCause.BIAS: Cause(
         "the force bias, or its spread, was {measured:.1f} N against its limit of {limit:.1f} N",
         "before motion starts the gauge's bias is small and steady",
         "free the tool from contact, let it come to rest; then `hydrohil reset`",
+    ),
+    TripCause.ENCODER_INVALID: Cause(
+        "an encoder stood at {measured:.0f} counts, its counter ends at {limit:.0f}",
+        "no encoder stands at an end of its counter",
+        _ENCODER,
+    ),
+    TripCause.ENCODER_JUMP: Cause(
+        "an encoder jumped by {measured:.4g} rad (link 3: m) where its link can move {limit:.4g}",
+        "from sample to sample an encoder moves no further than its link can",
+        _ENCODER,
+    ),
+    TripCause.MOTION_AGAINST: Cause(
+        "a link moved by {measured:.4g} rad (link 3: m) against its current, it brakes within {limit:.4g}",
+        "under a current above its worst break-away a link does not move against it",
+        _VALVE,
+    ),
+    TripCause.NO_MOTION: Cause(
+        "a link stood still for {measured:.3f} s under a current that moves it within {limit:.3f} s",
+        "under a current above its worst break-away a link moves",
+        _VALVE,
     ),
     TripCause.JOINT_LIMIT: Cause(
         "a joint reached {measured:.4g} rad (link 3: m) against its limit of {limit:.4g}",
@@ -57,6 +115,16 @@ TRIPS: dict[TripCause, Cause] = {
         "the tip reached {measured:.4g} m against its limit of {limit:.4g} m on one axis",
         "the tip lies inside the workspace",
         "move it back (another experiment, or by hand with the supply off); then `hydrohil reset`",
+    ),
+    TripCause.JOINT_SPEED: Cause(
+        "a joint moved at {measured:.4g} rad/s (link 3: m/s) against its limit of {limit:.4g}",
+        "every joint is slower than its limit",
+        _SLOWER,
+    ),
+    TripCause.TIP_SPEED: Cause(
+        "the tip moved at {measured:.4g} m/s against its limit of {limit:.4g} m/s",
+        "the tip is slower than its limit",
+        _SLOWER,
     ),
     TripCause.SAMPLE_LOST: Cause(
         "{measured:.0f} samples were lost in a row against at most {limit:.0f} (below 0: the plant started anew)",

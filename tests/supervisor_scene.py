@@ -4,7 +4,7 @@ from services.plant.about import about
 from services.plant.config import GateLimits, PlantConfig
 from services.supervisor.config import SupervisorConfig
 from services.supervisor.modes import NOTHING, RUNNING
-from services.supervisor.observe import Bias, Links, Watch
+from services.supervisor.observe import Bias, Heard, Links, Watch, observe_step
 from services.supervisor.params import supervisor_params
 from services.supervisor.rule import GaugeSeen, MotionSeen, Observed, TransportSeen
 from services.supervisor.step import Asked, SupervisorMemory, supervisor_step
@@ -22,8 +22,33 @@ FINE = Observed(
     True,
     True,
     5,
-    GaugeSeen(counts=10, raw_n=13.5, tared_n=1.0, bias_n=12.5, bias_spread_n=4.0),
-    MotionSeen(q_rad=(0.0, 0.0, 0.2), tip_m=(0.6, 0.0, 0.1)),
+    GaugeSeen(
+        force_counts=10,
+        raw_n=13.5,
+        tared_n=1.0,
+        bias_n=12.5,
+        bias_spread_n=4.0,
+        smooth_n=0.5,
+        rate_n_per_s=40.0,
+        jump_n=2.7,
+        jump_limit_n=56.0,
+        unexplained_n=3.0,
+        unexplained_limit_n=107.0,
+        quiet_samples=1,
+        held_ns=0,
+        energy_j=0.0,
+    ),
+    MotionSeen(
+        q_rad=(0.0, 0.0, 0.2),
+        tip_m=(0.6, 0.0, 0.1),
+        counts=(4031, 971, 207),
+        moved_rad=(0.0, 0.0, 0.0, 0.0),
+        dt_s=0.0045,
+        speed=(0.0, 0.0, 0.0),
+        tip_speed_m_per_s=0.0,
+        idle_ns=(0, 0, 0),
+        against=(0.0, 0.0, 0.0),
+    ),
     TransportSeen(lost_samples=0, stale_ns=0, command_lag=1, gate=1, ready=True, link_faults=0, rivals=0, other_run=0, missed=0),
 )
 
@@ -37,7 +62,9 @@ def changed(seen, **changes):
 
 
 def sample(number, tick=NO_TRIAL, **changes):
-    made = Sample(number, number * 4_500_000, tick, 0, LEVEL, 4, (2048, 2048, 2048), 0, 1, 0, (0, 0, 0), number - 1, 0, 0)
+    made = Sample(
+        number, number * 4_500_000, tick, 0, LEVEL, 4 + 3 * (number % 2), (2048, 2048, 2048), 0, 1, 0, (0, 0, 0), number - 1, 0, 0
+    )
     return made._replace(**changes)
 
 
@@ -49,8 +76,14 @@ def step(memory, seen, wanted=None, params=PARAMS):
     return supervisor_step(memory, params, seen, wanted or asked())[0]
 
 
+def watched(number, encoder_counts=LEVEL, **changes):
+    """What is remembered after sample `number`, the first that came."""
+    seen = sample(number, encoder_counts=encoder_counts)
+    return observe_step(Watch(), PARAMS.observing, seen, Heard(False, 0, True, Links(0, 0, 0)))[0]._replace(**changes)
+
+
 def running(tick=5, number=50, **changes):
     """In the middle of a trial whose first sample was such that `number` is `tick`."""
     first = number - tick - BIAS
-    watch = Watch(number - 1, Bias(samples=BIAS))
+    watch = watched(number - 1, bias=Bias(samples=BIAS))
     return SupervisorMemory(mode=RUNNING, arming=4711, first_sample=first, watch=watch)._replace(**changes)

@@ -34,8 +34,8 @@ def test_bias_and_spread_are_mean_and_standard_deviation_of_the_negative_ticks(c
 
 
 def test_the_bias_of_a_trial_before_leaves_no_trace_even_if_the_first_tick_is_lost():
-    soiled = Watch(99, Bias(50.0, 3.0, 5000.0, 1e6, 100))
-    assert bias_anew(soiled) == Watch(99, Bias(50.0, 3.0, 0.0, 0.0, 0))
+    soiled = Watch(99, bias=Bias(50.0, 3.0, 5000.0, 1e6, 100))
+    assert bias_anew(soiled) == Watch(99, bias=Bias(50.0, 3.0, 0.0, 0.0, 0))
     bias = play_bias([10] * BIAS, bias_anew(soiled), lost=(0,)).bias
     assert bias.mean_n == pytest.approx(10 * N_PER_COUNT)
     assert bias.samples == BIAS - 1
@@ -50,7 +50,7 @@ def test_ticks_from_zero_on_and_absence_leave_the_bias_alone():
 
 
 def test_tared_force_is_raw_force_without_the_bias():
-    seen = observe(Watch(49, Bias(mean_n=20.0)), sample(50, 5, force_counts=100))[1]
+    seen = observe(Watch(49, bias=Bias(mean_n=20.0)), sample(50, 5, force_counts=100))[1]
     assert (seen.gauge.raw_n, seen.gauge.tared_n) == (100 * N_PER_COUNT, 100 * N_PER_COUNT - 20.0)
 
 

@@ -6,6 +6,7 @@ from hypothesis import strategies as st
 from scipy import stats
 from supervisor_scene import CONFIG, FINE, LIMITS, changed
 
+from services.supervisor.machine import BRAKES, FULL_SPEED
 from services.supervisor.params import RANDOM_MISSES
 from services.supervisor.rule import GaugeSeen, Limits, MotionSeen, Observed, TransportSeen
 from services.supervisor.rules import RULES, WORDS, first_broken, fold
@@ -14,6 +15,8 @@ from shared.messages import GateState, TripCause
 
 NAN, INF = math.nan, math.inf
 RAW, TARED = CONFIG.raw_force_limit_n, CONFIG.force_limit_n
+SPEED, FASTEST = CONFIG.joint_speed_limit, CONFIG.tip_speed_limit_m_per_s
+STEP = tuple(FULL_SPEED[i] * 0.0045 + LIMITS.count_rad[i] * (1.0 + 1e-9) for i in range(4))
 LOW_RAD, HIGH_RAD = CONFIG.joint_low_rad, CONFIG.joint_high_rad
 LOW_M, HIGH_M = CONFIG.workspace_low_m, CONFIG.workspace_high_m
 first_broken_compiled = compiled(first_broken)
@@ -34,12 +37,30 @@ def one_of(field, index, value):
 
 
 AT_LIMIT = [
-    {"counts": 0},
-    {"counts": 517},
+    {"force_counts": 0},
+    {"force_counts": 517},
     {"raw_n": RAW},
     {"raw_n": -RAW},
     {"tared_n": TARED},
     {"tared_n": -TARED},
+    {"quiet_samples": 21},
+    {"jump_n": 56.0},
+    {"jump_n": -56.0},
+    {"rate_n_per_s": 5000.0},
+    {"rate_n_per_s": -5000.0},
+    {"held_ns": 1_000_000_000},
+    {"energy_j": 100.0},
+    {"unexplained_n": 107.0},
+    {"smooth_n": -25.0},
+    *(one_of("counts", i, LIMITS.low_counts[i] + 1) for i in range(3)),
+    *(one_of("counts", i, LIMITS.high_counts[i] - 1) for i in range(3)),
+    *(one_of("moved_rad", i, STEP[i]) for i in range(4)),
+    *(one_of("moved_rad", i, -STEP[i]) for i in range(4)),
+    *(one_of("against", i, BRAKES[i]) for i in range(3)),
+    *(one_of("idle_ns", i, 200_000_000) for i in range(3)),
+    *(one_of("speed", i, SPEED[i]) for i in range(3)),
+    *(one_of("speed", i, -SPEED[i]) for i in range(3)),
+    {"tip_speed_m_per_s": FASTEST},
     {"bias_n": 60.0},
     {"bias_n": -60.0},
     {"bias_spread_n": 15.0},
@@ -61,14 +82,41 @@ AT_LIMIT = [
     *(one_of("tip_m", i, HIGH_M[i]) for i in range(3)),
 ]
 PAST = [  # what is seen, the cause, the number that broke, the limit it broke
-    ({"counts": -1}, TripCause.FORCE_INVALID, -1.0, 0.0),
-    ({"counts": 518}, TripCause.FORCE_INVALID, 518.0, 518.0),
+    ({"force_counts": -1}, TripCause.FORCE_INVALID, -1.0, 0.0),
+    ({"force_counts": 518}, TripCause.FORCE_INVALID, 518.0, 518.0),
     ({"raw_n": above(RAW)}, TripCause.FORCE_RAW, above(RAW), RAW),
     ({"raw_n": -above(RAW)}, TripCause.FORCE_RAW, -above(RAW), RAW),
     ({"raw_n": NAN}, TripCause.FORCE_RAW, NAN, RAW),
     ({"tared_n": above(TARED)}, TripCause.FORCE_TARED, above(TARED), TARED),
     ({"tared_n": -above(TARED)}, TripCause.FORCE_TARED, -above(TARED), TARED),
     ({"tared_n": NAN}, TripCause.FORCE_TARED, NAN, TARED),
+    ({"quiet_samples": 22}, TripCause.FORCE_FROZEN, 22.0, 22.0),
+    ({"jump_n": above(56.0)}, TripCause.FORCE_JUMP, above(56.0), 56.0),
+    ({"jump_n": -above(56.0)}, TripCause.FORCE_JUMP, -above(56.0), 56.0),
+    ({"jump_n": NAN}, TripCause.FORCE_JUMP, NAN, 56.0),
+    ({"rate_n_per_s": above(5000.0)}, TripCause.FORCE_RATE, above(5000.0), 5000.0),
+    ({"rate_n_per_s": -above(5000.0)}, TripCause.FORCE_RATE, -above(5000.0), 5000.0),
+    ({"rate_n_per_s": NAN}, TripCause.FORCE_RATE, NAN, 5000.0),
+    ({"held_ns": 1_000_000_001}, TripCause.FORCE_HELD, 1.000000001, 1.0),
+    ({"energy_j": above(100.0)}, TripCause.FORCE_ENERGY, above(100.0), 100.0),
+    ({"energy_j": NAN}, TripCause.FORCE_ENERGY, NAN, 100.0),
+    ({"unexplained_n": above(107.0)}, TripCause.FORCE_DRIFT, above(107.0), 107.0),
+    ({"unexplained_n": NAN}, TripCause.FORCE_DRIFT, NAN, 107.0),
+    ({"smooth_n": -above(25.0)}, TripCause.FORCE_BELOW_BIAS, -above(25.0), -25.0),
+    ({"smooth_n": NAN}, TripCause.FORCE_BELOW_BIAS, NAN, -25.0),
+    *((one_of("counts", i, LIMITS.low_counts[i]), TripCause.ENCODER_INVALID, 0.0, 0.0) for i in range(3)),
+    *((one_of("counts", i, high), TripCause.ENCODER_INVALID, high, high) for i, high in enumerate(LIMITS.high_counts)),
+    *((one_of("moved_rad", i, above(STEP[i])), TripCause.ENCODER_JUMP, above(STEP[i]), STEP[i]) for i in range(4)),
+    *((one_of("moved_rad", i, -above(STEP[i])), TripCause.ENCODER_JUMP, -above(STEP[i]), STEP[i]) for i in range(4)),
+    *((one_of("moved_rad", i, NAN), TripCause.ENCODER_JUMP, NAN, STEP[i]) for i in range(4)),
+    *((one_of("against", i, above(BRAKES[i])), TripCause.MOTION_AGAINST, above(BRAKES[i]), BRAKES[i]) for i in range(3)),
+    *((one_of("against", i, NAN), TripCause.MOTION_AGAINST, NAN, BRAKES[i]) for i in range(3)),
+    *((one_of("idle_ns", i, 200_000_001), TripCause.NO_MOTION, 0.200000001, 0.2) for i in range(3)),
+    *((one_of("speed", i, above(SPEED[i])), TripCause.JOINT_SPEED, above(SPEED[i]), SPEED[i]) for i in range(3)),
+    *((one_of("speed", i, -above(SPEED[i])), TripCause.JOINT_SPEED, -above(SPEED[i]), SPEED[i]) for i in range(3)),
+    *((one_of("speed", i, NAN), TripCause.JOINT_SPEED, NAN, SPEED[i]) for i in range(3)),
+    ({"tip_speed_m_per_s": above(FASTEST)}, TripCause.TIP_SPEED, above(FASTEST), FASTEST),
+    ({"tip_speed_m_per_s": NAN}, TripCause.TIP_SPEED, NAN, FASTEST),
     ({"bias_n": above(60.0)}, TripCause.BIAS, above(60.0), 60.0),
     ({"bias_n": -above(60.0)}, TripCause.BIAS, -above(60.0), 60.0),
     ({"bias_n": NAN}, TripCause.BIAS, NAN, 60.0),
@@ -94,7 +142,13 @@ PAST = [  # what is seen, the cause, the number that broke, the limit it broke
     ({"ready": False}, TripCause.NOT_READY, 0.0, 1.0),
 ]
 AT_REST = changed(FINE, moving=False, starting=False)
-ONLY_WHILE_MOVING = (TripCause.SAMPLE_LOST, TripCause.COMMAND_STALE, TripCause.GATE_CUT)
+ONLY_WHILE_MOVING = (
+    TripCause.FORCE_DRIFT,
+    TripCause.FORCE_BELOW_BIAS,
+    TripCause.SAMPLE_LOST,
+    TripCause.COMMAND_STALE,
+    TripCause.GATE_CUT,
+)
 ONLY_AT_THE_START = (TripCause.BIAS, TripCause.NOT_READY)
 
 
@@ -134,6 +188,26 @@ def test_at_rest_only_what_can_be_judged_at_rest_is(changes, cause, measured, li
     assert first_broken(changed(AT_REST, moving=True, **changes), LIMITS)[0] == (0 if cause in ONLY_AT_THE_START else cause)
 
 
+@pytest.mark.parametrize(
+    ("field", "cause"),
+    [
+        ("jump_limit_n", TripCause.FORCE_JUMP),
+        ("unexplained_limit_n", TripCause.FORCE_DRIFT),
+        ("dt_s", TripCause.ENCODER_JUMP),
+    ],
+)
+def test_a_limit_that_is_no_number_holds_nothing(field, cause):
+    assert first_broken(changed(FINE, **{field: NAN}), LIMITS)[0] == cause
+
+
+def test_of_several_links_the_one_beyond_is_told():
+    for field, cause, limit in (("against", TripCause.MOTION_AGAINST, BRAKES), ("speed", TripCause.JOINT_SPEED, SPEED)):
+        seen = changed(FINE, **{field: (limit[0], above(limit[1]), 9.0)})
+        assert first_broken(seen, LIMITS) == (cause, above(limit[1]), limit[1])
+    seen = changed(FINE, idle_ns=(0, 200_000_001, 300_000_000))
+    assert first_broken(seen, LIMITS)[:2] == (TripCause.NO_MOTION, pytest.approx(0.3))
+
+
 def test_the_rows_stand_in_the_order_of_severity_and_every_cause_has_words():
     causes = [int(rule.cause) for rule in RULES]
     assert causes == sorted(set(causes))
@@ -143,7 +217,7 @@ def test_the_rows_stand_in_the_order_of_severity_and_every_cause_has_words():
 
 def test_of_several_broken_rows_the_first_decides():
     seen = FINE
-    for changes, cause, measured, limit in reversed(PAST):
+    for changes, cause, measured, limit in sorted(PAST, key=lambda row: row[1], reverse=True):
         before = first_broken(seen, LIMITS)[0]
         seen = changed(seen, **changes)
         found = first_broken(seen, LIMITS)
@@ -169,8 +243,19 @@ SEEN = st.builds(
     st.booleans(),
     st.booleans(),
     INTS,
-    st.builds(GaugeSeen, INTS, ANY_FLOAT, ANY_FLOAT, ANY_FLOAT, ANY_FLOAT),
-    st.builds(MotionSeen, TRIPLES | st.just(FINE.motion.q_rad), TRIPLES | st.just(FINE.motion.tip_m)),
+    st.builds(GaugeSeen, INTS, *(ANY_FLOAT,) * 10, INTS, st.integers(0, 2_000_000_000), ANY_FLOAT),
+    st.builds(
+        MotionSeen,
+        TRIPLES | st.just(FINE.motion.q_rad),
+        TRIPLES | st.just(FINE.motion.tip_m),
+        st.tuples(INTS, INTS, INTS),
+        st.tuples(*(ANY_FLOAT,) * 4) | st.just(FINE.motion.moved_rad),
+        ANY_FLOAT,
+        TRIPLES | st.just(FINE.motion.speed),
+        ANY_FLOAT,
+        st.tuples(*(st.integers(0, 300_000_000),) * 3),
+        TRIPLES | st.just(FINE.motion.against),
+    ),
     st.builds(TransportSeen, INTS, st.integers(0, 30_000_000), INTS, FEW, st.booleans(), FEW, FEW, FEW, st.integers(0, 100)),
 )
 
@@ -208,8 +293,8 @@ def test_limits_that_cross_let_nothing_pass_and_tell_the_bound_that_broke():
     for value, limit in ((0.2, 0.3), (0.25, 0.2)):
         assert first_broken(changed(FINE, q_rad=(value, 0.0, 0.2)), crossed) == (TripCause.JOINT_LIMIT, value, limit)
     narrow = LIMITS._replace(min_force_counts=6, max_force_counts=5)
-    assert first_broken(changed(FINE, counts=6), narrow) == (TripCause.FORCE_INVALID, 6.0, 5.0)
-    assert first_broken(changed(FINE, counts=5), narrow) == (TripCause.FORCE_INVALID, 5.0, 6.0)
+    assert first_broken(changed(FINE, force_counts=6), narrow) == (TripCause.FORCE_INVALID, 6.0, 5.0)
+    assert first_broken(changed(FINE, force_counts=5), narrow) == (TripCause.FORCE_INVALID, 5.0, 6.0)
     impatient = LIMITS._replace(lease_samples=-2)
     assert first_broken(changed(FINE, command_lag=0), impatient) == (TripCause.SAMPLE_LOST, 0.0, -2.0)
     assert first_broken(changed(FINE, moving=True, lost_samples=0, command_lag=0), LIMITS) == (0, 0.0, 0.0)

@@ -3,11 +3,11 @@ import math
 import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
-from supervisor_scene import ABOUT, BIAS, CONFIG, DURATION, LEVEL, N_PER_COUNT, PARAMS, asked, running, sample, step
+from supervisor_scene import ABOUT, BIAS, CONFIG, DURATION, LEVEL, N_PER_COUNT, PARAMS, asked, running, sample, step, watched
 
 from services.plant.config import GateLimits
 from services.supervisor.modes import Event
-from services.supervisor.observe import Bias, Links, Watch
+from services.supervisor.observe import Bias, Links
 from services.supervisor.params import below_gate, supervisor_params
 from services.supervisor.step import SupervisorMemory, supervisor_step
 from shared.kernel import compiled
@@ -97,7 +97,11 @@ def test_a_reset_is_refused_while_the_cause_stands_and_clears_it_afterwards():
     memory = tripped()
     refused = step(memory, sample(51, force_counts=HEAVY), asked(Event.RESET))
     assert (refused.mode, refused.cause) == (Mode.TRIPPED, TripCause.FORCE_RAW)
-    reset = step(refused, sample(52), asked(Event.RESET))
+    jumped = step(refused, sample(52), asked(Event.RESET))
+    assert jumped.mode == Mode.TRIPPED  # the reading fell further than motion explains
+    for number in range(53, 65):  # and fast
+        jumped = step(jumped, sample(number))
+    reset = step(jumped, sample(65), asked(Event.RESET))
     assert (reset.mode, reset.arming, reset.cause, reset.measured, reset.limit) == (Mode.DISARMED, 0, 0, 0.0, 0.0)
     assert (reset.trip_number, reset.first_sample, reset.recover_signs) == (NO_COMMAND, NO_COMMAND, (0, 0, 0))
 
@@ -116,7 +120,7 @@ def test_an_emergency_stop_at_either_place_names_itself_even_when_a_rule_breaks_
 
 
 def test_samples_that_stop_trip_a_running_trial():
-    memory = step(running(watch=Watch(50)), sample(50, 5), asked(stale_ns=20_000_001))
+    memory = step(running(watch=watched(50)), sample(50, 5), asked(stale_ns=20_000_001))
     assert (memory.mode, memory.cause) == (Mode.TRIPPED, TripCause.SAMPLE_STALE)
     assert (memory.measured, memory.limit) == pytest.approx((0.020000001, 0.02))
 
@@ -157,7 +161,7 @@ def test_a_controller_that_is_not_ready_trips_even_if_the_sample_before_tick_0_i
 def test_a_bias_above_its_limit_trips_even_if_the_sample_before_tick_0_is_lost(tick):
     counts = math.ceil(61.0 / N_PER_COUNT)
     bias_n = counts * N_PER_COUNT
-    biased = running(tick=tick, watch=Watch(49, Bias(bias_n, 0.0, bias_n * BIAS, bias_n * bias_n * BIAS, BIAS)))
+    biased = running(tick=tick, watch=watched(49, bias=Bias(bias_n, 0.0, bias_n * BIAS, bias_n * bias_n * BIAS, BIAS)))
     memory = step(biased, sample(50, tick, force_counts=counts))
     assert (memory.mode, memory.cause, memory.limit) == (Mode.TRIPPED, TripCause.BIAS, 60.0)
 
@@ -189,8 +193,8 @@ def test_recovery_lasts_as_long_as_its_lease_is_renewed_and_not_a_sample_longer(
 
 
 def test_recovery_from_a_joint_limit_trips_anew_on_a_force():
-    outside = (4031, 0, 207, 0, 33)  # link 2 at +27.6 deg
-    memory = step(running(), sample(50, 5, encoder_counts=outside))
+    outside = (4031, 10, 207, 0, 33)  # link 2 at +27.3 deg
+    memory = step(running(watch=watched(49, encoder_counts=outside)), sample(50, 5, encoder_counts=outside))
     assert (memory.cause, memory.recover_signs) == (TripCause.JOINT_LIMIT, (0, -1, 0))
     memory = step(memory, sample(51, encoder_counts=outside), asked(Event.HOLD_RECOVER))
     assert memory.mode == Mode.RECOVER
@@ -200,7 +204,7 @@ def test_recovery_from_a_joint_limit_trips_anew_on_a_force():
 
 @pytest.mark.parametrize(("axis", "sign"), [(2, 1.0), (2, -1.0), (0, 1.0), (0, -1.0)])
 def test_the_unloading_sign_moves_the_tip_the_way_the_environment_pushes(axis, sign):
-    params = PARAMS._replace(force_axis=axis, force_sign=sign)
+    params = PARAMS._replace(observing=PARAMS.observing._replace(force_axis=axis, force_sign=sign))
     memory = supervisor_step(running(), params, sample(50, 5, force_counts=HEAVY), asked())[0]
     q, pitch_rad = joint_positions(params.observing.calibration, LEVEL)
     moved = tuple(a + 0.01 * b for a, b in zip(q, memory.recover_signs, strict=True))
@@ -209,12 +213,45 @@ def test_the_unloading_sign_moves_the_tip_the_way_the_environment_pushes(axis, s
     assert way_m * sign > 0.004
 
 
+def test_a_joint_limit_that_outlasts_the_force_is_recovered_from_in_its_own_direction():
+    outside = (100, 971, 207, 0, 33)  # link 1 at -110.8 deg
+    memory = step(running(watch=watched(49, encoder_counts=outside)), sample(50, 5, encoder_counts=outside, force_counts=HEAVY))
+    assert (memory.cause, memory.recover_signs) == (TripCause.FORCE_RAW, (0, -1, 0))
+    memory = step(memory, sample(51, encoder_counts=outside, force_counts=HEAVY), asked(Event.HOLD_RECOVER))
+    assert (memory.mode, memory.cause, memory.recover_signs) == (Mode.RECOVER, TripCause.FORCE_RAW, (0, -1, 0))
+    for number in range(52, 65):
+        memory = step(memory, sample(number, encoder_counts=outside), asked(Event.HOLD_RECOVER))
+        if memory.mode == Mode.TRIPPED:
+            break
+    assert (memory.mode, memory.cause, memory.recover_signs) == (Mode.TRIPPED, TripCause.JOINT_LIMIT, (1, 0, 0))
+    memory = step(memory, sample(70, encoder_counts=outside), asked(Event.HOLD_RECOVER))
+    assert (memory.mode, memory.recover_signs) == (Mode.RECOVER, (1, 0, 0))
+
+
+def test_what_stands_when_recovery_begins_leads_the_way():
+    outside = (100, 971, 207, 0, 33)
+    memory = step(running(watch=watched(49, encoder_counts=outside)), sample(50, 5, encoder_counts=outside), asked(Event.ESTOP))
+    assert (memory.cause, memory.recover_signs) == (TripCause.ESTOP, (0, -1, 0))
+    memory = step(memory, sample(51, encoder_counts=outside), asked(Event.HOLD_RECOVER))
+    assert (memory.mode, memory.cause, memory.recover_signs) == (Mode.RECOVER, TripCause.JOINT_LIMIT, (1, 0, 0))
+    assert memory.trip_number == 51
+    blind = step(memory, sample(52, encoder_counts=(0, 971, 207, 0, 33)), asked(Event.HOLD_RECOVER))
+    assert (blind.mode, blind.cause, blind.recover_signs) == (Mode.TRIPPED, TripCause.ENCODER_INVALID, (0, 0, 0))
+
+
+def test_among_force_causes_recovery_goes_on():
+    memory = step(step(running(), sample(50, 5, force_counts=280)), sample(51, force_counts=280), asked(Event.HOLD_RECOVER))
+    assert (memory.mode, memory.cause) == (Mode.RECOVER, TripCause.FORCE_TARED)
+    worse = step(memory, sample(52, force_counts=HEAVY), asked(Event.HOLD_RECOVER))
+    assert (worse.mode, worse.cause) == (Mode.RECOVER, TripCause.FORCE_TARED)
+
+
 @pytest.mark.parametrize(
     ("counts", "signs"),
-    [((100, 971, 207, 0, 33), (1, 0, 0)), ((8000, 971, 207, 0, 33), (-1, 0, 0)), ((4031, 2040, 207, 0, 33), (0, 1, 0))],
+    [((100, 971, 207, 0, 33), (1, 0, 0)), ((8000, 971, 207, 0, 33), (-1, 0, 0)), ((4031, 2035, 207, 0, 33), (0, 1, 0))],
 )
 def test_beyond_a_joint_limit_recovery_leads_inward(counts, signs):
-    memory = step(running(), sample(50, 5, encoder_counts=counts))
+    memory = step(running(watch=watched(49, encoder_counts=counts)), sample(50, 5, encoder_counts=counts))
     assert (memory.cause, memory.recover_signs) == (TripCause.JOINT_LIMIT, signs)
 
 

@@ -16,6 +16,20 @@ class SupervisorConfig(NamedTuple):
     raw_force_limit_n: Annotated[float, Interval(gt=0.0, le=LB_LIMIT_N + 60.0)] = LB_LIMIT_N + 60.0  # on raw force
     bias_limit_n: Annotated[float, Interval(gt=0.0, le=60.0)] = 60.0
     bias_spread_n: Annotated[float, Interval(gt=0.0, le=20.0)] = 15.0  # largest standard deviation of a steady gauge
+    # The rate at which 111 kg of arm, still to be stopped by the stiffest contact (57.6 and 46 kN/m in series), reach the force
+    # limit with the valves already shut: 334 N sqrt(k / m) = 5070 N/s.
+    force_rate_limit_n_per_s: Annotated[float, Interval(gt=0.0, le=5000.0)] = 5000.0
+    # Above 300 N less is left than noise and one encoder count on the stiffest contact need (10 and 25 N): a law that stays
+    # there is no longer regulating. The longest blow of the thesis is over within half a second.
+    contact_level_n: Annotated[float, Interval(gt=0.0, le=300.0)] = 300.0
+    contact_time_s: Annotated[float, Interval(gt=0.0, le=1.0)] = 1.0
+    contact_energy_j: Annotated[float, Interval(gt=0.0, le=100.0)] = 100.0  # 334 N over 0.3 m, as far as the crate is pushed
+    joint_speed_limit: tuple[
+        Annotated[float, Interval(gt=0.0, le=30 * RAD_PER_DEG)],
+        Annotated[float, Interval(gt=0.0, le=30 * RAD_PER_DEG)],
+        Annotated[float, Interval(gt=0.0, le=0.5)],
+    ] = (30 * RAD_PER_DEG, 30 * RAD_PER_DEG, 0.5)  # rad/s; third in m/s: a quarter above what the valves pass
+    tip_speed_limit_m_per_s: Annotated[float, Interval(gt=0.0, le=0.75)] = 0.75  # one link at 24 deg/s and full reach
     joint_low_rad: tuple[
         Annotated[float, Interval(ge=-110 * RAD_PER_DEG)],
         Annotated[float, Interval(ge=-30 * RAD_PER_DEG)],

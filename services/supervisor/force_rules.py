@@ -1,5 +1,6 @@
 """What must hold of the force gauge and of the force that it reads."""
 
+from services.supervisor.machine import NOISE_N, TOUCH_N
 from services.supervisor.rule import Limits, Observed, Rule
 from shared.kernel import kernel
 from shared.messages import TripCause
@@ -7,7 +8,7 @@ from shared.messages import TripCause
 
 @kernel
 def force_reading_valid(seen: Observed, limits: Limits) -> bool:
-    return limits.min_force_counts <= seen.gauge.counts < limits.max_force_counts
+    return limits.min_force_counts <= seen.gauge.force_counts < limits.max_force_counts
 
 
 @kernel
@@ -21,6 +22,41 @@ def tared_force_within(seen: Observed, limits: Limits) -> bool:
 
 
 @kernel
+def gauge_alive(seen: Observed, limits: Limits) -> bool:
+    return seen.gauge.quiet_samples < limits.quiet_samples
+
+
+@kernel
+def force_steady(seen: Observed, limits: Limits) -> bool:
+    return abs(seen.gauge.jump_n) <= seen.gauge.jump_limit_n
+
+
+@kernel
+def force_rate_within(seen: Observed, limits: Limits) -> bool:
+    return abs(seen.gauge.rate_n_per_s) <= limits.config.force_rate_limit_n_per_s
+
+
+@kernel
+def contact_brief(seen: Observed, limits: Limits) -> bool:
+    return seen.gauge.held_ns * 1e-9 <= limits.config.contact_time_s
+
+
+@kernel
+def energy_within(seen: Observed, limits: Limits) -> bool:
+    return seen.gauge.energy_j <= limits.config.contact_energy_j
+
+
+@kernel
+def force_explained(seen: Observed, limits: Limits) -> bool:
+    return not seen.moving or seen.gauge.unexplained_n <= seen.gauge.unexplained_limit_n
+
+
+@kernel
+def force_pushes(seen: Observed, limits: Limits) -> bool:
+    return not seen.moving or seen.gauge.smooth_n >= -(NOISE_N + TOUCH_N)
+
+
+@kernel
 def bias_steady(seen: Observed, limits: Limits) -> bool:
     return not seen.starting or (
         abs(seen.gauge.bias_n) <= limits.config.bias_limit_n and seen.gauge.bias_spread_n <= limits.config.bias_spread_n
@@ -31,9 +67,9 @@ FORCE_RULES = (
     Rule(
         force_reading_valid,
         TripCause.FORCE_INVALID,
-        lambda seen, _: float(seen.gauge.counts),
+        lambda seen, _: float(seen.gauge.force_counts),
         lambda seen, limits: float(
-            limits.min_force_counts if seen.gauge.counts < limits.min_force_counts else limits.max_force_counts
+            limits.min_force_counts if seen.gauge.force_counts < limits.min_force_counts else limits.max_force_counts
         ),
         "the force reading is outside the gauge's range or saturated (counts)",
     ),
@@ -50,6 +86,55 @@ FORCE_RULES = (
         lambda seen, _: seen.gauge.tared_n,
         lambda _, limits: limits.config.force_limit_n,
         "the contact force is above its limit (N)",
+    ),
+    Rule(
+        gauge_alive,
+        TripCause.FORCE_FROZEN,
+        lambda seen, _: float(seen.gauge.quiet_samples),
+        lambda _, limits: float(limits.quiet_samples),
+        "the force reading stands still: quieter than the gauge's known noise (samples)",
+    ),
+    Rule(
+        force_steady,
+        TripCause.FORCE_JUMP,
+        lambda seen, _: seen.gauge.jump_n,
+        lambda seen, _: seen.gauge.jump_limit_n,
+        "the force reading jumped further than noise and motion explain (N)",
+    ),
+    Rule(
+        force_rate_within,
+        TripCause.FORCE_RATE,
+        lambda seen, _: seen.gauge.rate_n_per_s,
+        lambda _, limits: limits.config.force_rate_limit_n_per_s,
+        "the contact force changes faster than its limit (N/s)",
+    ),
+    Rule(
+        contact_brief,
+        TripCause.FORCE_HELD,
+        lambda seen, _: seen.gauge.held_ns * 1e-9,
+        lambda _, limits: limits.config.contact_time_s,
+        "the contact force has stayed above the contact level for too long (s)",
+    ),
+    Rule(
+        energy_within,
+        TripCause.FORCE_ENERGY,
+        lambda seen, _: seen.gauge.energy_j,
+        lambda _, limits: limits.config.contact_energy_j,
+        "this contact has put more energy into the environment than its limit (J)",
+    ),
+    Rule(
+        force_explained,
+        TripCause.FORCE_DRIFT,
+        lambda seen, _: seen.gauge.unexplained_n,
+        lambda seen, _: seen.gauge.unexplained_limit_n,
+        "the force reading has risen further than the way into the environment explains (N)",
+    ),
+    Rule(
+        force_pushes,
+        TripCause.FORCE_BELOW_BIAS,
+        lambda seen, _: seen.gauge.smooth_n,
+        lambda _, __: -(NOISE_N + TOUCH_N),
+        "the force reads below its bias, and a gauge cannot be pulled: it drifts, or it was tared in contact (N)",
     ),
     Rule(
         bias_steady,

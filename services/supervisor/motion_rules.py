@@ -1,9 +1,33 @@
 """What must hold of the joints, the tip and the valves that move them."""
 
+from services.supervisor.machine import BRAKES, FULL_SPEED, MOVES_WITHIN_NS
 from services.supervisor.rule import Limits, Observed, Rule
 from shared.kernel import kernel
 from shared.messages import TripCause
 from shared.pose import Triple
+
+
+@kernel
+def counters_connected(seen: Observed, limits: Limits) -> bool:
+    return _off_rail(seen.motion.counts, limits) == 3
+
+
+@kernel
+def counters_follow(seen: Observed, limits: Limits) -> bool:
+    return _first_jump(seen, limits) == 4
+
+
+@kernel
+def links_obey(seen: Observed, limits: Limits) -> bool:
+    return _first_above(seen.motion.against, BRAKES) == 3
+
+
+@kernel
+def links_move(seen: Observed, limits: Limits) -> bool:
+    for link in range(3):
+        if not seen.motion.idle_ns[link] <= MOVES_WITHIN_NS:
+            return False
+    return True
 
 
 @kernel
@@ -23,6 +47,56 @@ def tip_within(seen: Observed, limits: Limits) -> bool:
 
 
 @kernel
+def joints_slow(seen: Observed, limits: Limits) -> bool:
+    return _first_above(seen.motion.speed, limits.config.joint_speed_limit) == 3
+
+
+@kernel
+def tip_slow(seen: Observed, limits: Limits) -> bool:
+    return seen.motion.tip_speed_m_per_s <= limits.config.tip_speed_limit_m_per_s
+
+
+@kernel
+def _off_rail(counts: tuple[int, int, int], limits: Limits) -> int:
+    """The first counter at or beyond an end, 3 if none."""
+    for link in range(3):
+        if not limits.low_counts[link] < counts[link] < limits.high_counts[link]:
+            return link
+    return 3
+
+
+@kernel
+def _reach(seen: Observed, limits: Limits, encoder: int) -> float:
+    """What an encoder can have moved since the sample before: full speed, and the count that a floor may add."""
+    return FULL_SPEED[encoder] * seen.motion.dt_s + limits.count_rad[encoder] * (1.0 + 1e-9)
+
+
+@kernel
+def _first_jump(seen: Observed, limits: Limits) -> int:
+    """The first encoder that moved further than it can, 4 if none."""
+    for encoder in range(4):
+        if not abs(seen.motion.moved_rad[encoder]) <= _reach(seen, limits, encoder):
+            return encoder
+    return 4
+
+
+@kernel
+def _first_above(values: Triple, limits: Triple) -> int:
+    """The first value beyond its limit, either way; 3 if none."""
+    for link in range(3):
+        if not abs(values[link]) <= limits[link]:
+            return link
+    return 3
+
+
+@kernel
+def _least_progress(seen: Observed) -> int:
+    """The link that has been idle for longest, in ns."""
+    idle = seen.motion.idle_ns
+    return max(idle[0], idle[1], idle[2])
+
+
+@kernel
 def _worst(values: Triple, low: Triple, high: Triple) -> tuple[float, float]:
     """The first value outside its bounds and the bound it broke."""
     for i in range(3):
@@ -32,6 +106,39 @@ def _worst(values: Triple, low: Triple, high: Triple) -> tuple[float, float]:
 
 
 MOTION_RULES = (
+    Rule(
+        counters_connected,
+        TripCause.ENCODER_INVALID,
+        lambda seen, limits: float(seen.motion.counts[_off_rail(seen.motion.counts, limits) % 3]),
+        lambda seen, limits: float(
+            limits.low_counts[_off_rail(seen.motion.counts, limits) % 3]
+            if seen.motion.counts[_off_rail(seen.motion.counts, limits) % 3]
+            <= limits.low_counts[_off_rail(seen.motion.counts, limits) % 3]
+            else limits.high_counts[_off_rail(seen.motion.counts, limits) % 3]
+        ),
+        "an encoder stands at an end of its counter: no cable, or wrapped (counts)",
+    ),
+    Rule(
+        counters_follow,
+        TripCause.ENCODER_JUMP,
+        lambda seen, limits: seen.motion.moved_rad[_first_jump(seen, limits) % 4],
+        lambda seen, limits: _reach(seen, limits, _first_jump(seen, limits) % 4),
+        "an encoder jumped further than its link can move between two samples (rad; link 3 m)",
+    ),
+    Rule(
+        links_obey,
+        TripCause.MOTION_AGAINST,
+        lambda seen, _: seen.motion.against[_first_above(seen.motion.against, BRAKES) % 3],
+        lambda seen, _: BRAKES[_first_above(seen.motion.against, BRAKES) % 3],
+        "a link moves against its current for longer than it takes to brake: valve, supply or counter (rad; link 3 m)",
+    ),
+    Rule(
+        links_move,
+        TripCause.NO_MOTION,
+        lambda seen, _: _least_progress(seen) * 1e-9,
+        lambda _, __: MOVES_WITHIN_NS * 1e-9,
+        "a link does not move under a current above its worst break-away: valve, supply or counter (s)",
+    ),
     Rule(
         joints_within,
         TripCause.JOINT_LIMIT,
@@ -45,5 +152,21 @@ MOTION_RULES = (
         lambda seen, limits: _worst(seen.motion.tip_m, limits.config.workspace_low_m, limits.config.workspace_high_m)[0],
         lambda seen, limits: _worst(seen.motion.tip_m, limits.config.workspace_low_m, limits.config.workspace_high_m)[1],
         "the tip has left its workspace (m)",
+    ),
+    Rule(
+        joints_slow,
+        TripCause.JOINT_SPEED,
+        lambda seen, limits: seen.motion.speed[_first_above(seen.motion.speed, limits.config.joint_speed_limit) % 3],
+        lambda seen, limits: limits.config.joint_speed_limit[
+            _first_above(seen.motion.speed, limits.config.joint_speed_limit) % 3
+        ],
+        "a joint is faster than its limit (rad/s; link 3 m/s)",
+    ),
+    Rule(
+        tip_slow,
+        TripCause.TIP_SPEED,
+        lambda seen, _: seen.motion.tip_speed_m_per_s,
+        lambda _, limits: limits.config.tip_speed_limit_m_per_s,
+        "the tip is faster than its limit (m/s)",
     ),
 )

@@ -4,7 +4,9 @@ import math
 from typing import NamedTuple
 
 from services.supervisor.answers import Answers, answers_step
-from services.supervisor.rule import GaugeSeen, MotionSeen, Observed, TransportSeen
+from services.supervisor.observe_force import ForceWatch, Push, force_step
+from services.supervisor.observe_motion import Codes, LinkWatch, MotionWatch, Pose, motion_step
+from services.supervisor.rule import Observed, TransportSeen
 from shared.converters import Calibration
 from shared.kernel import kernel
 from shared.messages import NO_COMMAND, NO_TRIAL, Sample
@@ -15,7 +17,13 @@ class Observing(NamedTuple):
     """What observing needs to know of the machine and the trial."""
 
     calibration: Calibration
+    codes: Codes
     bias_ticks: int
+    period_ns: int
+    force_axis: int
+    force_sign: float
+    quiet_counts: int
+    contact_level_n: float
 
 
 class Bias(NamedTuple):
@@ -32,8 +40,12 @@ class Watch(NamedTuple):
     """What is remembered of the samples."""
 
     last_number: int = NO_COMMAND
+    last_tick: int = NO_TRIAL
+    last_time_ns: int = 0
     bias: Bias = Bias()
     answers: Answers = Answers()
+    force: ForceWatch = ForceWatch()
+    motion: MotionWatch = MotionWatch()
 
 
 class Links(NamedTuple):
@@ -60,8 +72,20 @@ def observe_step(watch: Watch, observing: Observing, sample: Sample, heard: Hear
     went_back = heard.running and came and sample.number <= watch.last_number
     lost = sample.number - watch.last_number - 1 if came and watch.last_number != NO_COMMAND else 0
     bias = bias_step(watch.bias, observing, sample) if came else watch.bias
+    follows = _follows(watch, sample) if came else True
+    dt_ns = _since(watch, observing, sample, follows) if came else 0
     q_rad, pitch_rad = joint_positions(observing.calibration, sample.encoder_counts)
+    tip_m = forward(UNIMATE_GEOMETRY, q_rad, pitch_rad)
+    counts = (sample.encoder_counts[0], sample.encoder_counts[1], sample.encoder_counts[2])
+    pose = Pose(counts, q_rad, pitch_rad, tip_m)
+    motion, motion_seen = motion_step(watch.motion, observing.codes, pose, sample.dac_counts, follows, dt_ns)
+    way_m = (tip_m[observing.force_axis] - watch.motion.tip_m[observing.force_axis]) * -observing.force_sign
+    speed = motion.tip_m_per_s[observing.force_axis]
+    push = Push(follows, way_m if follows else 0.0, speed, dt_ns, bias.mean_n, bias.spread_n)
     raw_n = sample.force_counts * observing.calibration.force_n_per_count
+    force, gauge_seen = force_step(
+        watch.force, push, sample.force_counts, raw_n, observing.quiet_counts, observing.contact_level_n
+    )
     in_trial = heard.running and sample.tick != NO_TRIAL
     answers = Answers(0, 0, 0, 0)
     if in_trial and sample.tick > 0:  # from the sample on that tells how that of tick 0 was answered
@@ -70,8 +94,8 @@ def observe_step(watch: Watch, observing: Observing, sample: Sample, heard: Hear
         (in_trial and sample.tick >= 0) or went_back,
         in_trial and sample.tick >= -1,
         sample.tick,
-        GaugeSeen(sample.force_counts, raw_n, raw_n - bias.mean_n, bias.mean_n, bias.spread_n),
-        MotionSeen(q_rad, forward(UNIMATE_GEOMETRY, q_rad, pitch_rad)),
+        gauge_seen,
+        motion_seen,
         TransportSeen(
             lost,
             heard.stale_ns,
@@ -84,13 +108,31 @@ def observe_step(watch: Watch, observing: Observing, sample: Sample, heard: Hear
             answers.missed,
         ),
     )
-    return Watch(sample.number, bias, answers), seen
+    if not came:  # the sample before is judged once more; it is not taken in twice
+        return Watch(sample.number, watch.last_tick, watch.last_time_ns, bias, answers, watch.force, watch.motion), seen
+    return Watch(sample.number, sample.tick, sample.time_ns, bias, answers, force, motion), seen
 
 
 @kernel
 def answered_in_time(sample: Sample) -> bool:
     """Whether the command that answers the sample before this one was in force at its latch."""
     return sample.command_number == sample.number - 1 and sample.command_late_substeps == 0
+
+
+@kernel
+def _follows(watch: Watch, sample: Sample) -> bool:
+    """Whether the sample before is known and of the same trial: at a trial's first tick an emulator begins at another pose."""
+    same_trial = (sample.tick == NO_TRIAL) == (watch.last_tick == NO_TRIAL) and sample.tick >= watch.last_tick
+    return watch.last_number != NO_COMMAND and sample.number > watch.last_number and same_trial
+
+
+@kernel
+def _since(watch: Watch, observing: Observing, sample: Sample, follows: bool) -> int:
+    """Time since the sample before; at most twice what its number says, so that no stamp can widen a limit."""
+    samples = sample.number - watch.last_number if follows else 1
+    most_ns = 2 * samples * observing.period_ns
+    dt_ns = sample.time_ns - watch.last_time_ns if follows else observing.period_ns
+    return dt_ns if 0 < dt_ns <= most_ns else samples * observing.period_ns
 
 
 @kernel
@@ -110,4 +152,14 @@ def bias_step(bias: Bias, observing: Observing, sample: Sample) -> Bias:
 @kernel
 def bias_anew(watch: Watch) -> Watch:
     """A trial begins: the sums of the one before leave no trace, even if its first sample is lost."""
-    return Watch(watch.last_number, Bias(watch.bias.mean_n, watch.bias.spread_n, 0.0, 0.0, 0), Answers(0, 0, 0, 0))
+    bias = Bias(watch.bias.mean_n, watch.bias.spread_n, 0.0, 0.0, 0)
+    return Watch(watch.last_number, watch.last_tick, watch.last_time_ns, bias, Answers(0, 0, 0, 0), watch.force, watch.motion)
+
+
+@kernel
+def watch_start() -> Watch:
+    """Nothing seen yet, spelled out for compiled callers, who know no defaults that are tuples."""
+    still, link = (0.0, 0.0, 0.0), LinkWatch(0, 0.0, 0)
+    motion = MotionWatch(still, 0.0, still, still, still, link, link, link)
+    force = ForceWatch(0, 0.0, 0.0, 0.0, 0, 0, 0.0)
+    return Watch(NO_COMMAND, NO_TRIAL, 0, Bias(0.0, 0.0, 0.0, 0.0, 0), Answers(0, 0, 0, 0), force, motion)

@@ -1,7 +1,11 @@
 """The supervisor's parameters for one trial, from its section, the plant's description and the trial's length."""
 
+import math
+
 from services.supervisor.config import SupervisorConfig
+from services.supervisor.machine import FEWEST_QUIET, GAUGE_RANGE_N, MOVES_DOWN_A, MOVES_UP_A, NOISE_N, QUIET_COUNTS, QUIET_NS
 from services.supervisor.observe import Observing
+from services.supervisor.observe_motion import Codes
 from services.supervisor.rule import Limits
 from services.supervisor.step import SupervisorParams
 from shared.converters import N_PER_FORCE_COUNT, calibration
@@ -9,31 +13,76 @@ from shared.messages import About
 from shared.protection import FAULTS_PER_S
 from shared.units import NS_PER_S
 
-GAUGE_RANGE_N = 700.0
-NOISE_N = 10.0  # "+-10 N of noise" (thesis 5.1.2)
 RANDOM_MISSES = 16  # of 100: a link that loses 1 % each way has more in 7e-9 of all windows, one that loses 20 % in nearly all
 _LEAD_S, _ARMED_S, _RECOVER_S = 0.25, 60.0, 0.3
 
 
 def supervisor_params(config: SupervisorConfig, about: About, bias_ticks: int, duration_ticks: int) -> SupervisorParams:
     """Everything the supervisor's step needs."""
-    lease_samples = about.permit_ttl_ns // about.sample_period_ns
-
-    missed = lease_samples + 1 + RANDOM_MISSES  # one outage as long as the lease bears, and the misses of a lossy link
 
     def samples(seconds: float) -> int:
         return int(seconds * NS_PER_S) // about.sample_period_ns
 
     return SupervisorParams(
-        Limits(config, 0, int(GAUGE_RANGE_N / N_PER_FORCE_COUNT), lease_samples, about.permit_ttl_ns, FAULTS_PER_S, missed),
-        Observing(calibration(about.encoders, about.force), bias_ticks),
-        about.force_axis,
-        about.force_sign,
+        limits(config, about),
+        observing(config, about, bias_ticks),
         duration_ticks,
         samples(_LEAD_S),
         samples(_ARMED_S),
         samples(_RECOVER_S),
     )
+
+
+def limits(config: SupervisorConfig, about: About) -> Limits:
+    """What the rules judge against."""
+    rotate, down_up, out_in, _, pitch = about.encoders
+    lease_samples = about.permit_ttl_ns // about.sample_period_ns
+    return Limits(
+        config,
+        0,
+        int(GAUGE_RANGE_N / N_PER_FORCE_COUNT),
+        _quiet_samples(about),
+        (rotate.low, down_up.low, out_in.low),
+        (rotate.high, down_up.high, out_in.high),
+        (abs(rotate.scale), abs(down_up.scale), abs(out_in.scale), abs(pitch.scale)),
+        lease_samples,
+        about.permit_ttl_ns,
+        FAULTS_PER_S,
+        lease_samples + 1 + RANDOM_MISSES,  # one outage as long as the lease bears, and the misses of a lossy link
+    )
+
+
+def observing(config: SupervisorConfig, about: About, bias_ticks: int) -> Observing:
+    """What the windows are computed with."""
+    rotate, down_up, out_in = about.converters
+    codes = Codes(
+        (
+            math.floor((-MOVES_DOWN_A[0] - rotate.offset) / rotate.scale),
+            math.floor((-MOVES_DOWN_A[1] - down_up.offset) / down_up.scale),
+            math.floor((-MOVES_DOWN_A[2] - out_in.offset) / out_in.scale),
+        ),
+        (
+            math.ceil((MOVES_UP_A[0] - rotate.offset) / rotate.scale),
+            math.ceil((MOVES_UP_A[1] - down_up.offset) / down_up.scale),
+            math.ceil((MOVES_UP_A[2] - out_in.offset) / out_in.scale),
+        ),
+        (abs(about.encoders[0].scale), abs(about.encoders[1].scale), abs(about.encoders[2].scale)),
+    )
+    return Observing(
+        calibration(about.encoders, about.force),
+        codes,
+        bias_ticks,
+        about.sample_period_ns,
+        about.force_axis,
+        about.force_sign,
+        QUIET_COUNTS if _quiet_samples(about) >= FEWEST_QUIET else 0,
+        config.contact_level_n,
+    )
+
+
+def _quiet_samples(about: About) -> int:
+    """Samples in 100 ms; where they are few, only a reading that repeats itself counts as quiet (8 % of its neighbours)."""
+    return QUIET_NS // about.sample_period_ns
 
 
 def below_gate(config: SupervisorConfig, about: About) -> bool:

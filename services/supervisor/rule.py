@@ -11,18 +11,34 @@ from shared.pose import Triple
 class GaugeSeen(NamedTuple):
     """The force gauge."""
 
-    counts: int
+    force_counts: int
     raw_n: float
     tared_n: float
     bias_n: float
     bias_spread_n: float
+    smooth_n: float  # tared
+    rate_n_per_s: float  # of the smooth force
+    jump_n: float  # since the sample before
+    jump_limit_n: float  # what noise and motion explain of it
+    unexplained_n: float  # above what earlier readings and the way into the environment explain
+    unexplained_limit_n: float
+    quiet_samples: int  # in a row whose reading did not change by more than the quietest gauge's
+    held_ns: int  # above the contact level
+    energy_j: float  # put into the environment by this contact
 
 
 class MotionSeen(NamedTuple):
-    """Joints and tip."""
+    """Joints and tip; link 3 in m."""
 
     q_rad: Triple
     tip_m: Triple
+    counts: tuple[int, int, int]
+    moved_rad: tuple[float, float, float, float]  # since the sample before; the fourth is the hand's pitch
+    dt_s: float
+    speed: Triple  # smooth
+    tip_speed_m_per_s: float  # smooth
+    idle_ns: tuple[int, int, int]  # without getting further under a current that must move the link
+    against: Triple  # way against such a current
 
 
 class TransportSeen(NamedTuple):
@@ -56,6 +72,10 @@ class Limits(NamedTuple):
     config: SupervisorConfig
     min_force_counts: int
     max_force_counts: int
+    quiet_samples: int
+    low_counts: tuple[int, int, int]  # ends of the counters: an encoder without its cable stands there
+    high_counts: tuple[int, int, int]
+    count_rad: tuple[float, float, float, float]  # of each encoder; the fourth is the hand's pitch
     lease_samples: int
     lease_ns: int
     faults_per_s: int

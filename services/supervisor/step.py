@@ -19,13 +19,7 @@ from services.supervisor.rules import first_broken
 from shared.kernel import kernel
 from shared.messages import NO_COMMAND, GateCause, Permit, Sample, TripCause
 
-_ESTOP, _FORCE_INVALID, _FORCE_RAW, _FORCE_TARED = (
-    int(TripCause.ESTOP),
-    int(TripCause.FORCE_INVALID),
-    int(TripCause.FORCE_RAW),
-    int(TripCause.FORCE_TARED),
-)
-_JOINT_LIMIT = int(TripCause.JOINT_LIMIT)
+_ESTOP, _LAST_OF_FORCE, _JOINT_LIMIT = int(TripCause.ESTOP), int(TripCause.FORCE_BELOW_BIAS), int(TripCause.JOINT_LIMIT)
 _GATE_STOPPED = int(GateCause.ESTOP)
 _NO_SIGNS = (0, 0, 0)
 
@@ -35,8 +29,6 @@ class SupervisorParams(NamedTuple):
 
     limits: Limits
     observing: Observing
-    force_axis: int
-    force_sign: float
     duration_ticks: int
     lead_samples: int  # from START to the trial's first sample, so that everyone knows it in advance
     armed_samples: int  # ARMED unused for longer is disarmed
@@ -82,7 +74,7 @@ def supervisor_step(
         broken,
         sample.gate_cause == _GATE_STOPPED,  # pressed at the gate: either alone suffices
         asked.agreed,
-        _can_recover(memory) and not (memory.mode == RECOVER and _force_on_top(memory, broken)),
+        _can_recover(memory, params, seen, broken),
         sample.number < memory.held_until or asked.event == HOLD_RECOVER,
         memory.mode == RUNNING and sample.number >= memory.first_sample + params.observing.bias_ticks + params.duration_ticks,
         memory.mode == ARMED and sample.number - memory.armed_at > params.armed_samples,
@@ -93,15 +85,32 @@ def supervisor_step(
 
 
 @kernel
-def _can_recover(memory: SupervisorMemory) -> bool:
-    signs = memory.recover_signs
+def _can_recover(memory: SupervisorMemory, params: SupervisorParams, seen: Observed, broken: int) -> bool:
+    if memory.mode == RECOVER:
+        return not _on_top(memory, params, seen, broken)
+    return _leads(memory.recover_signs) or _leads(_unloading(params, seen, broken))
+
+
+@kernel
+def _leads(signs: tuple[int, int, int]) -> bool:
     return signs[0] != 0 or signs[1] != 0 or signs[2] != 0
 
 
 @kernel
-def _force_on_top(memory: SupervisorMemory, broken: int) -> bool:
-    """Recovering from a joint limit has met a force: another cause, with another direction."""
-    return memory.cause == _JOINT_LIMIT and 0 < broken < _JOINT_LIMIT
+def _elsewhere(memory: SupervisorMemory, params: SupervisorParams, seen: Observed, broken: int) -> bool:
+    """What stands now leads another way than the latched cause: a joint limit outlasts the force, or was met under it."""
+    now = _unloading(params, seen, broken)
+    return _leads(now) and now != memory.recover_signs
+
+
+@kernel
+def _on_top(memory: SupervisorMemory, params: SupervisorParams, seen: Observed, broken: int) -> bool:
+    """Recovering has met another cause, more severe or of another direction: it trips anew."""
+    if broken == 0 or broken == memory.cause:
+        return False
+    elsewhere = _elsewhere(memory, params, seen, broken)
+    both_force = broken <= _LAST_OF_FORCE and memory.cause <= _LAST_OF_FORCE
+    return elsewhere or (broken < memory.cause and not both_force)
 
 
 @kernel
@@ -130,7 +139,7 @@ def _enter(
         watch = bias_anew(watch)
     if mode == TRIPPED and memory.mode != TRIPPED:
         arming, first_sample = 0, NO_COMMAND
-        if memory.mode != RECOVER or _force_on_top(memory, broken[0]):
+        if memory.mode != RECOVER or _on_top(memory, params, seen, broken[0]):
             cause, measured, limit = broken
             if sample.gate_cause == _GATE_STOPPED or asked.event == ESTOP_EVENT:
                 cause, measured, limit = _ESTOP, 0.0, 0.0
@@ -138,6 +147,9 @@ def _enter(
     if mode == RECOVER:
         if memory.mode != RECOVER:
             arming = asked.new_arming
+            if _elsewhere(memory, params, seen, broken[0]):
+                cause, measured, limit = broken
+                trip_number, signs = sample.number, _unloading(params, seen, cause)
         if asked.event == HOLD_RECOVER:
             held_until = sample.number + params.recover_samples
     return SupervisorMemory(
@@ -159,11 +171,12 @@ def _enter(
 def _unloading(params: SupervisorParams, seen: Observed, cause: int) -> tuple[int, int, int]:
     """Sign per link that lowers the violated quantity; zeros where there is none.
 
+    A gauge that is not believed has one too: away from the environment is geometry, and the operator holds it by hand.
     A force along z is unloaded by link 2 (positive down), one along x by link 3 (positive out).
     """
-    if cause in (_FORCE_INVALID, _FORCE_RAW, _FORCE_TARED, _ESTOP):
-        away = 1 if params.force_sign > 0.0 else -1
-        return (0, -away, 0) if params.force_axis == 2 else (0, 0, away)
+    if _ESTOP <= cause <= _LAST_OF_FORCE:
+        away = 1 if params.observing.force_sign > 0.0 else -1
+        return (0, -away, 0) if params.observing.force_axis == 2 else (0, 0, away)
     if cause == _JOINT_LIMIT:
         config = params.limits.config
         return (

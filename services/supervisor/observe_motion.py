@@ -1,0 +1,130 @@
+"""What the encoders say beside the pose: steps, smooth speeds, and whether each link goes where its current drives it."""
+
+import math
+from typing import NamedTuple
+
+from services.supervisor.machine import AT_STOP_COUNTS, TRAVEL_HIGH, TRAVEL_LOW
+from services.supervisor.rule import MotionSeen
+from shared.kernel import kernel
+from shared.messages import LinkCounts
+from shared.pose import Triple
+
+SMOOTHING_S = 0.02
+Flags = tuple[int, int, int]
+_NO_TIME = (0, 0, 0)
+
+
+class LinkWatch(NamedTuple):
+    """One link under a current that must move it."""
+
+    sign: int = 0  # of that current; 0 = none
+    furthest_rad: float = 0.0  # where it has got to in that direction
+    idle_ns: int = 0  # since it last got further
+
+
+class MotionWatch(NamedTuple):
+    """What is remembered of the motion."""
+
+    q_rad: Triple = (0.0, 0.0, 0.0)
+    pitch_rad: float = 0.0
+    tip_m: Triple = (0.0, 0.0, 0.0)
+    speed: Triple = (0.0, 0.0, 0.0)
+    tip_m_per_s: Triple = (0.0, 0.0, 0.0)
+    rotate: LinkWatch = LinkWatch()
+    down_up: LinkWatch = LinkWatch()
+    out_in: LinkWatch = LinkWatch()
+
+
+class Codes(NamedTuple):
+    """D/A codes at and beyond which a link must move, and the size of a count."""
+
+    low: LinkCounts
+    high: LinkCounts
+    count_rad: Triple
+
+
+class Pose(NamedTuple):
+    """Where the encoders say that the arm is."""
+
+    counts: tuple[int, int, int]
+    q_rad: Triple
+    pitch_rad: float
+    tip_m: Triple
+
+
+@kernel
+def smooth_speed(speed: float, moved: float, dt_s: float) -> float:
+    """v += (dx - v dt) / (tau + dt); starts anew after a NaN, so that one bad sample is not remembered."""
+    if speed != speed:
+        speed = 0.0
+    return speed + (moved - speed * dt_s) / (SMOOTHING_S + dt_s)
+
+
+@kernel
+def _speeds(speeds: Triple, now: Triple, before: Triple, dt_s: float) -> Triple:
+    return (
+        smooth_speed(speeds[0], now[0] - before[0], dt_s),
+        smooth_speed(speeds[1], now[1] - before[1], dt_s),
+        smooth_speed(speeds[2], now[2] - before[2], dt_s),
+    )
+
+
+@kernel
+def _driven(code: int, low: int, high: int, q_rad: float, stops: tuple[float, float], near_rad: float) -> int:
+    """Sign of a current that must move the link: none in between, and none into a stop that it stands at."""
+    if code >= high and not q_rad >= stops[1] - near_rad:
+        return 1
+    if code <= low and not q_rad <= stops[0] + near_rad:
+        return -1
+    return 0
+
+
+@kernel
+def link_step(watch: LinkWatch, sign: int, q_rad: float, dt_ns: int) -> LinkWatch:
+    """Time since the link last got further in the direction of its current; a count of chatter is no progress."""
+    if sign == 0 or sign != watch.sign or watch.furthest_rad != watch.furthest_rad or sign * (q_rad - watch.furthest_rad) > 0.0:
+        return LinkWatch(sign, q_rad, 0)
+    return LinkWatch(sign, watch.furthest_rad, watch.idle_ns + dt_ns)
+
+
+@kernel
+def against(watch: LinkWatch, q_rad: float) -> float:
+    """How far the link has gone against its current."""
+    return watch.sign * (watch.furthest_rad - q_rad)
+
+
+@kernel
+def _link(watch: LinkWatch, codes: Codes, dac_counts: LinkCounts, pose: Pose, link: int, dt_ns: int) -> LinkWatch:
+    stops = (TRAVEL_LOW[link], TRAVEL_HIGH[link])
+    near_rad = AT_STOP_COUNTS * codes.count_rad[link]
+    sign = _driven(dac_counts[link], codes.low[link], codes.high[link], pose.q_rad[link], stops, near_rad)
+    return link_step(watch, sign, pose.q_rad[link], dt_ns)
+
+
+@kernel
+def motion_step(
+    watch: MotionWatch, codes: Codes, pose: Pose, dac_counts: LinkCounts, follows: bool, dt_ns: int
+) -> tuple[MotionWatch, MotionSeen]:
+    """One set of counters taken in; without a sample before, nothing has moved yet."""
+    if not follows:
+        none, still = LinkWatch(0, 0.0, 0), (0.0, 0.0, 0.0)
+        watch = MotionWatch(pose.q_rad, pose.pitch_rad, pose.tip_m, still, still, none, none, none)
+    dt_s = dt_ns * 1e-9
+    q, before = pose.q_rad, watch.q_rad
+    speed = _speeds(watch.speed, q, before, dt_s)
+    tip = _speeds(watch.tip_m_per_s, pose.tip_m, watch.tip_m, dt_s)
+    rotate = _link(watch.rotate, codes, dac_counts, pose, 0, dt_ns)
+    down_up = _link(watch.down_up, codes, dac_counts, pose, 1, dt_ns)
+    out_in = _link(watch.out_in, codes, dac_counts, pose, 2, dt_ns)
+    seen = MotionSeen(
+        q,
+        pose.tip_m,
+        pose.counts,
+        (q[0] - before[0], q[1] - before[1], q[2] - before[2], pose.pitch_rad - watch.pitch_rad),
+        dt_s,
+        speed,
+        math.sqrt(tip[0] * tip[0] + tip[1] * tip[1] + tip[2] * tip[2]),
+        (rotate.idle_ns, down_up.idle_ns, out_in.idle_ns),
+        (against(rotate, q[0]), against(down_up, q[1]), against(out_in, q[2])),
+    )
+    return MotionWatch(q, pose.pitch_rad, pose.tip_m, speed, tip, rotate, down_up, out_in), seen
