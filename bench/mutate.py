@@ -44,7 +44,7 @@ COMPARISONS: dict[type[ast.cmpop], tuple[type[ast.cmpop], ...]] = {
     ast.In: (ast.NotIn,),
 }
 PRELOADED = ("pytest", "hypothesis.stateful", "numpy", "pydantic", "msgpack")  # imported once; each mutant is a fork
-TIMEOUT_S = 60
+TIMEOUT_S = 180  # a test that waits for ever is a mutant that was seen; a busy host is none
 
 Change = Callable[[Any], object]
 
