@@ -3,7 +3,7 @@ VENV := .venv
 BIN := $(VENV)/bin
 STAMP := $(VENV)/.installed
 
-.PHONY: install demo test check slow clean
+.PHONY: install demo test check slow coverage mutants fuzz clean
 
 install: $(STAMP)
 
@@ -29,8 +29,23 @@ check: install
 	$(BIN)/ruff format --check .
 	$(BIN)/mypy
 
+# Kernels run plain, so that their branches are seen; fails below 100 %.
+COVERED := tests/test_gate_*.py tests/test_supervisor_*.py tests/test_black_channel.py tests/test_wire_fuzz.py \
+	tests/test_shared_acceptance.py tests/test_shared_codec.py tests/test_shared_protection.py tests/test_shared_reception.py \
+	tests/test_plant_ledger.py tests/test_plant_mailbox.py tests/test_plant_numbers.py
+
+coverage: install
+	NUMBA_DISABLE_JIT=1 $(BIN)/python -m coverage run -m pytest -q $(COVERED)
+	$(BIN)/python -m coverage report
+
+mutants: install
+	$(BIN)/python bench/mutate.py
+
+fuzz: install
+	$(BIN)/python bench/fuzz.py --count 1000000
+
 slow: install
 	$(BIN)/python -m pytest -m slow
 
 clean:
-	rm -rf $(VENV) runs .pytest_cache .mypy_cache .ruff_cache .hypothesis *.egg-info
+	rm -rf $(VENV) runs .pytest_cache .mypy_cache .ruff_cache .hypothesis .coverage *.egg-info

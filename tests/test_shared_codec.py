@@ -7,7 +7,7 @@ import msgpack
 import numpy as np
 import pytest
 from annotated_types import Len
-from hypothesis import given, settings
+from hypothesis import HealthCheck, given, settings
 from hypothesis import strategies as st
 from wire_scene import CELL, command_body, header
 
@@ -174,7 +174,7 @@ def test_deep_nesting_and_false_lengths_are_rejected_without_an_exception(packed
     assert isinstance(read(packed + crc(KEY, packed)), Rejected)
 
 
-@settings(max_examples=300)
+@settings(max_examples=300, deadline=None)
 @given(st.binary(max_size=200))
 def test_no_bytes_make_the_decoder_raise(noise):
     assert isinstance(read(noise), Rejected)
@@ -187,7 +187,7 @@ JUNK = st.recursive(
 )
 
 
-@settings(max_examples=60)
+@settings(max_examples=60, deadline=None, suppress_health_check=[HealthCheck.too_slow])  # a busy host is no fault
 @given(st.lists(JUNK, min_size=10, max_size=14), st.booleans())
 def test_no_array_makes_the_decoder_raise(fields, versioned):
     assert isinstance(read(sealed([1, *fields] if versioned else fields)), Rejected)
