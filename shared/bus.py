@@ -28,6 +28,7 @@ RING = 64  # frames kept for one step; a ring of one would let a foreign frame p
 DEFAULT_PORT = 7450
 HOST = "127.0.0.1"
 _PRIORITIES = ("control", "real_time", "interactive_high", "interactive_low", "data_high", "data", "data_low", "background")
+_REQUESTS_REMEMBERED = 1024  # frames; each names its sender's start and number, so that none comes twice by itself
 _QUEUED_BATCHES = 16  # two, the default, lose messages when the processor is contended
 
 
@@ -152,6 +153,7 @@ class Bus:
         self.identity = Identity(cell, service, epoch)
         self.run = Run()
         self.requests_seen: deque[Any] = deque(maxlen=RING)
+        self._asked_before: deque[bytes] = deque(maxlen=_REQUESTS_REMEMBERED)
         self.waits_for_room = False  # instead of dropping: in lockstep nothing may be lost to a slow reader
         self.conditions = idle(service)
         self._inboxes: list[Inbox] = []
@@ -265,6 +267,10 @@ class Bus:
             if not isinstance(arguments, dict):
                 answer(False, "malformed request: the arguments are no JSON object", {})
                 continue
+            if asked.body.verb != "estop" and payload in self._asked_before:  # a stop is never refused
+                answer(False, "this request came before, byte for byte: a replay has no effect", {})
+                continue
+            self._asked_before.append(payload)
             made.append(Request(asked.body.verb, arguments, answer))
         return made
 

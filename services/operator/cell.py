@@ -13,6 +13,7 @@ from typing import Any, NamedTuple
 
 from shared.bus import Bus, BusError
 from shared.messages import Answer
+from shared.process import draw_number
 from shared.topics import SERVICES
 
 LOOP = ("plant", "controller", "supervisor")
@@ -119,7 +120,7 @@ def last_words(place: Place, service: str) -> str:
 def operator_bus(place: Place) -> Iterator[Bus]:
     """The operator's own place on the cell's network."""
     try:
-        with Bus("operator", place.cell, place.port, os.getpid()) as bus:
+        with Bus("operator", place.cell, place.port, draw_number()) as bus:
             yield bus
     except BusError as error:
         raise CellError(str(error)) from error

@@ -152,6 +152,15 @@ class Supervisor:
             self.bus.publish("supervisor/reception", reception(message.body.number, self._inboxes), echo)
         if request is not None:
             self._reply(event, request, message)
+        if event == Event.RESET:
+            self._reply_held(message)
+
+    def _reply_held(self, message: Received) -> None:
+        """A reset that is held is one: those that wait behind it get its answer and act at no later sample."""
+        held = [request for event, request in self.asked if event == Event.RESET]
+        self.asked = [(event, request) for event, request in self.asked if event != Event.RESET]
+        for request in held:
+            self._reply(Event.RESET, request, message)
 
     def _links(self, message: Received) -> Links:
         """What the inboxes have shown, by wall time or, in lockstep, by the sample's; and frames of another run since then."""
