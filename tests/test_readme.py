@@ -242,3 +242,9 @@ def test_every_schema_of_the_foreign_controller_is_the_table_s(still: SimpleName
     named = {still.SAMPLE: "plant/sample", still.COMMAND: "controller/command", still.STATE: "controller/state"}
     assert named == {schema: BY_SCHEMA[schema].key for schema in named}
     assert {still.ASK: ASK.key, still.ANSWER: ANSWER.key} == {ASK.schema: ASK.key, ANSWER.schema: ANSWER.key}
+
+
+def test_the_safety_page_has_a_row_for_every_cause_in_their_order() -> None:
+    rows = [line.split("|")[1].strip() for line in (ROOT / "docs/safety.md").read_text().splitlines() if line.startswith("| ")]
+    causes = [row for row in rows if row in messages.TripCause.__members__]
+    assert causes == [cause.name for cause in messages.TripCause if cause]
