@@ -28,3 +28,8 @@ def test_every_cause_of_a_trip_or_a_cut_is_told_in_words():
 def test_a_cause_without_a_row_is_told_by_its_name(monkeypatch):
     monkeypatch.delitem(TRIPS, TripCause.JOINT_LIMIT)
     assert trip_happened(TripCause.JOINT_LIMIT, 2.0, 1.92) == "joint limit: 2 against 1.92"
+
+
+def test_every_cause_has_words():
+    assert set(TRIPS) == set(TripCause) - {TripCause.NONE}
+    assert set(CUTS) == set(GateCause) - {GateCause.NONE}
