@@ -34,6 +34,7 @@ TESTS = {
     "shared/acceptance.py": ["tests/test_shared_acceptance.py"],
     "shared/codec.py": ["tests/test_shared_codec.py"],
     "shared/protection.py": ["tests/test_shared_protection.py"],
+    "shared/timeliness.py": ["tests/test_shared_timeliness.py"],
     "shared/reception.py": ["tests/test_shared_reception.py"],
 }
 COMPARISONS: dict[type[ast.cmpop], tuple[type[ast.cmpop], ...]] = {

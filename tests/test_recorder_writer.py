@@ -159,3 +159,13 @@ def test_the_counts_of_each_inbox_are_a_row_at_their_sample_and_a_line_where_the
     assert [rows.times.samples.tolist() for rows in of(written, entity)] == [[1000], [1222]]
     assert [rows.values for rows in of(written, "log/plant")] == [[("WARN", "plant of controller/command: 2 crc")]]
     assert [rows.values for rows in written if rows.entity == entity and rows.kind == "names"] == [InboxCounts._fields[1:]]
+
+
+def test_a_fourth_late_answer_in_a_row_is_a_warning_told_once():
+    def worse(message):
+        late = isinstance(message.body, Sample) and 10 <= message.body.tick < 16
+        return message._replace(body=message.body._replace(command_late_substeps=3)) if late else message
+
+    told = [rows.values for rows in of(write([worse(m) for m in trial(30)]), "log/plant")]
+    fourth = FIRST_NUMBER + 30 + BIAS_TICKS + 13
+    assert told == [[("WARN", f"4 answers in a row were late or missing, up to sample {fourth}")]]

@@ -11,7 +11,7 @@ from hypothesis import HealthCheck, given, settings
 from hypothesis import strategies as st
 from wire_scene import CELL, command_body, header
 
-from shared.codec import MAX_FRAME_BYTES, MAX_REQUEST_BYTES, Header, Received, Rejected, crc, decode, encode
+from shared.codec import MAX_FRAME_BYTES, MAX_REQUEST_BYTES, WIRE_VERSION, Header, Received, Rejected, crc, decode, encode
 from shared.messages import Command
 from shared.topics import BY_KEY, BY_SCHEMA, expression
 
@@ -171,7 +171,10 @@ def test_a_frame_may_be_as_long_as_its_limit_and_no_longer():
     "packed", [b"\x91" * 3000, b"\xdd\xff\xff\xff\xff", b"\xc6\xff\xff\xff\xff", b"\x81\x01\x02", b"\xc7\x00\x05", b"\xc1"]
 )
 def test_deep_nesting_and_false_lengths_are_rejected_without_an_exception(packed):
-    assert isinstance(read(packed + crc(KEY, packed)), Rejected)
+    got = read(packed + crc(KEY, packed))
+    assert isinstance(got, Rejected)
+    assert got.cause == "malformed"
+    assert got.detail in ("StackError", "ValueError", "FormatError")
 
 
 @settings(max_examples=300, deadline=None)
@@ -205,3 +208,23 @@ def test_the_frame_is_what_a_stranger_reads_in_the_documentation():
     assert fields == (*header(COMMAND.key), ((820, 2048, 3276),))
     assert int.from_bytes(FRAME[-4:], "little") == zlib.crc32(KEY.encode() + b"\0" + FRAME[:-4])
     assert SimpleNamespace(**read(FRAME).header._asdict()).cell == CELL
+
+
+def test_the_limits_are_those_that_the_documentation_states():
+    assert (MAX_FRAME_BYTES, MAX_REQUEST_BYTES, WIRE_VERSION) == (4096, 1024 * 1024, 1)
+
+
+@pytest.mark.parametrize("changes", [{"cell": "x" * 99}, {"sender": "x" * 99}])
+def test_a_name_of_a_stranger_is_told_up_to_64_characters(changes):
+    got = read(sealed([*header(COMMAND.key)._replace(**changes), ((2048, 2048, 2048),)]))
+    assert got.detail.count("x") in (64, 65)  # "expected" has one
+    assert "x" * 64 in got.detail and "x" * 65 not in got.detail
+    version = read(sealed(["x" * 99]))
+    assert "x" * 64 in version.detail and "x" * 65 not in version.detail
+
+
+def test_what_could_be_read_of_a_refused_frame_comes_with_it():
+    flipped = FRAME[:-1] + bytes([FRAME[-1] ^ 1])
+    assert read(flipped).header == header(COMMAND.key)
+    assert read(b"\xc1" * 20).header is None
+    assert read(sealed([*header(COMMAND.key)._replace(cell="left"), ((2048, 2048, 2048),)])).header.cell == "left"

@@ -5,7 +5,7 @@ from hypothesis import strategies as st
 from supervisor_scene import BIAS, N_PER_COUNT, PARAMS, sample
 
 from services.supervisor.answers import Answers
-from services.supervisor.observe import Bias, Heard, Links, Watch, answered_in_time, bias_anew, observe_step
+from services.supervisor.observe import Bias, Heard, Links, Watch, bias_anew, observe_step
 from shared.messages import NO_TRIAL
 
 OBSERVING = PARAMS.observing
@@ -74,13 +74,6 @@ def test_samples_between_are_counted_and_a_plant_that_starts_anew_is_seen():
         assert not observe(Watch(number), sample(50, NO_TRIAL), RUNNING._replace(stale_ns=1))[1].moving
         assert not observe(Watch(number), sample(50, NO_TRIAL), RUNNING._replace(running=False))[1].moving
     assert observe(Watch(46), sample(50, 5), RUNNING._replace(stale_ns=1))[1].transport.lost_samples == 0
-
-
-def test_an_answer_is_in_time_if_it_was_in_force_at_the_latch_of_its_sample():
-    assert answered_in_time(sample(50, 5, command_number=49))
-    assert not answered_in_time(sample(50, 5, command_number=48))
-    assert not answered_in_time(sample(50, 5, command_number=50))
-    assert not answered_in_time(sample(50, 5, command_number=49, command_late_substeps=1))
 
 
 def test_answers_are_counted_from_tick_one_of_a_trial_that_runs():

@@ -5,6 +5,7 @@ from typing import Literal, NamedTuple
 from services.recorder.gaps import Counted
 from shared.codec import Header, Rejected
 from shared.messages import NO_COMMAND, FaultEvent, GateCause, GateEvent, GateState, InboxCounts, Mode, Permit, TripCause
+from shared.timeliness import LATE_IN_A_ROW
 
 Level = Literal["INFO", "WARN", "ERROR"]
 
@@ -73,6 +74,13 @@ def reception_event(receiver: str, before: InboxCounts | None, now: InboxCounts)
     grown = {name: getattr(now, name) - getattr(before, name) for name in COUNT_NAMES if name != "accepted"}
     words = ", ".join(f"{by} {name.replace('_', ' ')}" for name, by in grown.items() if by > 0)
     return Event(receiver, "WARN", f"{receiver} of {now.topic}: {words}") if words else None
+
+
+def late_event(in_a_row: int, number: int) -> Event | None:
+    """A warning at the first answer in a row too many that was late or missing; the lease decides when it is borne no more."""
+    if in_a_row != LATE_IN_A_ROW + 1:
+        return None
+    return Event("plant", "WARN", f"{in_a_row} answers in a row were late or missing, up to sample {number}")
 
 
 def rejected_event(rejected: Rejected, times: int) -> Event:

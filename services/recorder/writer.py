@@ -7,13 +7,14 @@ import numpy as np
 
 from services.recorder import scene
 from services.recorder.columns import MS, Matrix, column_names, figure_values, figures, flat_rows, widths
-from services.recorder.events import COUNT_NAMES, Event, fault_event, gate_event, permit_events, reception_event
+from services.recorder.events import COUNT_NAMES, Event, fault_event, gate_event, late_event, permit_events, reception_event
 from services.recorder.lanes import changes, lanes
 from services.recorder.places import Place, Places, sample_numbers
 from services.recorder.rows import Rows, Times, alike, only, times_of
 from shared.codec import Received
 from shared.converters import UNIMATE_CONVERTERS
 from shared.messages import About, Command, ControllerState, FaultEvent, GateEvent, InboxCounts, Permit, Reception, Sample
+from shared.timeliness import answered_in_time
 
 BATCH_ROWS = 256  # a batch is a chunk of the file with about 1 kB around it; `flush` comes earlier at slow rates
 ANSWER_LATENCY = "figure/latency/answer"
@@ -41,6 +42,7 @@ class Writer:
         self._counts: dict[tuple[str, str], InboxCounts] = {}  # receiver and topic: what was told last
         self._places = Places()
         self._plant_epoch: int | None = None
+        self._late = 0  # answers in a row that were late or missing, in a trial
         self.about: About | None = None
         self.rows: dict[str, int] = {}
         self.begin()
@@ -74,7 +76,11 @@ class Writer:
             return
         if isinstance(body, Sample):
             self._follow_plant(message.header.epoch)
-            self._places.add(body, message.arrival_ns)
+            place = self._places.add(body, message.arrival_ns)
+            self._late = 0 if body.tick <= 0 or answered_in_time(body) else self._late + 1
+            event = late_event(self._late, body.number)
+            if event is not None:
+                self.tell(event, place)
         elif isinstance(body, Permit):
             self._tell_permit(message)
         waiting = self._waiting.setdefault(message.topic, [])

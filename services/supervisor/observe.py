@@ -11,6 +11,7 @@ from shared.converters import Calibration
 from shared.kernel import kernel
 from shared.messages import NO_COMMAND, NO_TRIAL, Sample
 from shared.pose import UNIMATE_GEOMETRY, forward, joint_positions
+from shared.timeliness import answered_in_time
 
 
 class Observing(NamedTuple):
@@ -111,12 +112,6 @@ def observe_step(watch: Watch, observing: Observing, sample: Sample, heard: Hear
     if not came:  # the sample before is judged once more; it is not taken in twice
         return Watch(sample.number, watch.last_tick, watch.last_time_ns, bias, answers, watch.force, watch.motion), seen
     return Watch(sample.number, sample.tick, sample.time_ns, bias, answers, force, motion), seen
-
-
-@kernel
-def answered_in_time(sample: Sample) -> bool:
-    """Whether the command that answers the sample before this one was in force at its latch."""
-    return sample.command_number == sample.number - 1 and sample.command_late_substeps == 0
 
 
 @kernel

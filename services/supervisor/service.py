@@ -23,9 +23,9 @@ from shared.process import draw_number, options_of, parser, serve
 from shared.protection import worst
 from shared.realtime import follow
 from shared.reception import due, reception, told
+from shared.timeliness import LATE_IN_A_ROW
 from shared.units import NS_PER_S
 
-LATE_IN_A_ROW = 3  # more of them warn
 _IDLE_WAKE_S = 0.1
 _LOCKSTEP_SILENCE_NS = 6 * NS_PER_S  # the plant gives up on a peer after 5 s
 _EVENTS = {
