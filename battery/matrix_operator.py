@@ -7,7 +7,8 @@ from battery.endings import ended
 from battery.loads import requests
 from battery.operators import disagreeing, recovered, reset_refused, stopped_by, stopped_while_tripped
 from battery.orders import ORDERS, rejoined, started_in_order
-from battery.trial import Lived, Proved, Row, Untried
+from battery.pairs import PAIRS, paired
+from battery.trial import Lived, Played, Proved, Row, Untried
 
 
 def _ending(words: str, how: signal.Signals, everything: bool) -> Lived:
@@ -104,5 +105,17 @@ OPERATOR = (
             Lived("during a trip", stopped_while_tripped),
         ),
     ),
-    Row("34", "two faults at once", "the most severe wins", "the larger bound", (Untried("pairs: not yet"),)),
+    Row(
+        "34",
+        "two faults at once",
+        "the most severe wins",
+        "the larger bound",
+        (
+            Played(f"{len(PAIRS)} pairs of sensors and valves", paired),
+            Proved(
+                "of several broken rules the first decides",
+                ("tests/test_supervisor_rules.py::test_of_several_broken_rows_the_first_decides",),
+            ),
+        ),
+    ),
 )

@@ -62,8 +62,13 @@ def broken(seed: int, motion: str, faults: Callable[[float], tuple[Fault, ...]],
     at_s = at(seed)
     experiment = MOTIONS[motion]._replace(duration_s=PLAYED_S, faults=faults(at_s))
     outcome = play_local(experiment, seed)
+    return timed(experiment, outcome, first_with(experiment, outcome), bound(period_s(experiment)))
+
+
+def first_with(experiment: Experiment, outcome: Outcome) -> int:
+    """The row of the first sample that has the experiment's first fault."""
     first, _ = ticks_of(experiment.faults[0], round(period_s(experiment) * NS_PER_S))
-    return timed(experiment, outcome, first - outcome.first_tick, bound(period_s(experiment)))
+    return first - outcome.first_tick
 
 
 def timed(experiment: Experiment, outcome: Outcome, row: int, bound_s: float) -> Trial:

@@ -11,7 +11,7 @@ from shared.bus import Request, Run
 from shared.detour import conditions_of
 from shared.envelope import checked, section, unseal
 from shared.faults import Fault, problem, row_of, ticks_of
-from shared.messages import GateCause
+from shared.messages import NO_TRIAL, GateCause
 from shared.realtime import follow
 from shared.reception import told
 from shared.units import SUBSTEP_NS
@@ -74,6 +74,7 @@ def _commit(plant: "Plant", request: Request) -> None:
     envelope = schedule.envelope
     plant.device.load(schedule.config, envelope.seed, schedule.first_tick, schedule.ticks, schedule.faults)
     plant.schedule = schedule
+    plant.timeline.tick = NO_TRIAL  # nobody answers a sample of the trial before: in lockstep one may be waiting for that
     plant.bus.run = Run(envelope.run, envelope.digest, 0)
     plant.bus.impair(conditions_of(envelope, plant.bus.conditions))
     plant.bus.waits_for_room = schedule.lockstep

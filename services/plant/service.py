@@ -147,10 +147,10 @@ class Plant:
             self.counters.latch(self.timeline.tick, answered=mailbox.answered >= number, judged=mailbox.judged >= number)
 
     def _await_answers(self) -> None:
-        """Lockstep: until command and permit answer this sample; PeerSilentError names who does not."""
+        """Lockstep: until command and permit answer this sample, or a load ends the trial; PeerSilentError names who does not."""
         deadline = time.monotonic() + LOCKSTEP_TIMEOUT_S
         number = self.timeline.number
-        while not self.stopped() and not self.keeper.estop:
+        while self._lockstep() and not self.stopped() and not self.keeper.estop:
             self._receive_in_step(self.due + self.schedule.latch)
             missing = [name for name, dealt_with in self.keeper.dealt_with() if dealt_with < number]
             if not missing:
