@@ -24,6 +24,7 @@ TICK = 45  # at which the faults begin: 0.2 s
 DURATION_S = 0.8
 HELD = 19  # periods for which a command may be held: 19 * 4.5 + 3.6 <= 90 < 20 * 4.5 + 3.6
 ATTEMPTS = 5
+SETTLED_S = 0.2  # the last messages are under way
 
 
 class Told(NamedTuple):
@@ -70,7 +71,7 @@ def attempt(bus: Bus, *faults: Fault) -> Told | None:
     except cells.CellError:
         return None
     watch(collector, made, lambda _: None)
-    time.sleep(0.05)  # the last messages are under way
+    time.sleep(SETTLED_S)
     events = [m.body for m in collector.gate_events.drain() if isinstance(m, Received) and m.header.run == run]
     opened = [event.tick for event in events if event.state == GateState.OPEN]
     if opened != [0] and not opened[1:]:

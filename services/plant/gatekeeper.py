@@ -55,12 +55,15 @@ class Gatekeeper:
 
     def receive_in_step(self, simulated_ns: int, latch_ns: int, late: Callable[[Received, int], None]) -> None:
         """Lockstep: hold the newest command; its age is simulated time. `late` gets the sub-step of one that a fault delayed."""
+        self._receive_passed()  # first: a permit on a sample's absence is sent before the word that the sample was passed
         self.receive_permits(simulated_ns)
         for message in self._receive_commands(simulated_ns):
             delay_ns = self.commands.delay_ns(message)
             self.command_age_ns = max(latch_ns, delay_ns)
             if delay_ns > latch_ns:
                 late(message, (message.header.echo_time_ns + delay_ns) // SUBSTEP_NS)
+
+    def _receive_passed(self) -> None:
         for message in (message for inbox in self._passed for message in inbox.take()):
             if same_run(message.header, self._bus.run):
                 self._passed_over[message.header.sender] = message.body.number
