@@ -1,0 +1,76 @@
+"""A cell in a network namespace of its own, where a link is cut for real: the kernel drops its packets, one way or both.
+
+Run in `unshare -rn`: prints, as JSON, what plant and supervisor say after the cut and after it has healed.
+"""
+
+import json
+import re
+import subprocess
+import sys
+import time
+from typing import Any
+
+from live_cell import ZERO, experiment, own_place, until
+
+from services.operator import cell as cells
+from services.operator.session import arm, load
+from shared.bus import Bus
+
+LEASE = {"plant": ["--permit-ttl-ms", "200", "--no-realtime"]}
+CUT_S, HEALED_S = 1.0, 1.0
+
+
+def network(*words: str) -> str:
+    return subprocess.run(words, check=True, capture_output=True, text=True).stdout
+
+
+def loopback() -> None:
+    """Up, and its addresses looked up after the rules that cut."""
+    network("ip", "link", "set", "lo", "up")
+    network("ip", "rule", "add", "pref", "100", "lookup", "local")
+    network("ip", "rule", "del", "pref", "0")
+
+
+def caller_port(caller: int, listening: int) -> int:
+    """Port from which process `caller` holds its link to the port of the other."""
+    found = re.findall(rf"127\.0\.0\.1:(\d+)\s+127\.0\.0\.1:{listening}\s.*pid={caller},", network("ss", "-tnpH"))
+    return int(found[0])
+
+
+def rules(verb: str, ways: str, port: int) -> None:
+    """Drop ("add") or let pass ("del") what the caller sends ("to"), what is sent to him ("from"), or "both"."""
+    for way, side in (("to", "sport"), ("from", "dport")):
+        if ways in (way, "both"):
+            network("ip", "rule", verb, "pref", "5", "ipproto", "tcp", side, str(port), "blackhole")
+
+
+def said(bus: Bus) -> dict[str, Any]:
+    found = cells.statuses(bus, ("plant", "supervisor"))
+    plant = found["plant"]
+    return {"at_rest": plant["dac_counts"] == ZERO, "last_cut": plant["last_cut"], "mode": found["supervisor"]["mode"]}
+
+
+def main(service: str, ways: str) -> None:
+    loopback()
+    place = own_place()
+    started = cells.start(place, cells.LOOP, with_parent=True, extra=LEASE)
+    try:
+        with cells.operator_bus(place) as bus:
+            cells.await_ready(place, bus, started)
+            port = caller_port(started[service].pid, place.port)
+            load(bus, experiment(30.0), 1, "real")
+            arm(bus)
+            cells.ask(bus, "supervisor", "start")
+            until(lambda: not said(bus)["at_rest"], "the valves move")
+            rules("add", ways, port)
+            time.sleep(CUT_S)
+            during = said(bus)
+            rules("del", ways, port)
+            time.sleep(HEALED_S)
+            print(json.dumps({"during": during, "after": said(bus)}))
+    finally:
+        cells.stop(process.pid for process in started.values())
+
+
+if __name__ == "__main__":
+    main(*sys.argv[1:])

@@ -1,0 +1,38 @@
+"""A partition for real, in network namespaces where the machine allows them: pytest -m slow tests/test_live_namespaces.py -rs."""
+
+import json
+import shutil
+import subprocess
+import sys
+from pathlib import Path
+
+import pytest
+
+SCRIPT = Path(__file__).with_name("namespace_cell.py")
+TRIED = "ip link set lo up && ip rule add pref 5 ipproto tcp sport 1 blackhole"
+
+
+def impossible() -> str:
+    """Why this machine cannot cut a link for real; "" if it can."""
+    missing = [tool for tool in ("unshare", "ip", "ss") if shutil.which(tool) is None]
+    if missing:
+        return f"a partition for real is skipped: this machine has no {', no '.join(missing)}"
+    tried = subprocess.run(["unshare", "-rn", "sh", "-c", TRIED], capture_output=True, text=True, check=False)
+    return f"a partition for real is skipped: {tried.stderr.strip()}" if tried.returncode else ""
+
+
+REASON = impossible()
+pytestmark = [pytest.mark.slow, pytest.mark.live, pytest.mark.skipif(bool(REASON), reason=REASON or "possible")]
+
+
+@pytest.mark.parametrize("ways", ["to", "from", "both"])
+@pytest.mark.parametrize("service", ["controller", "supervisor"])
+def test_a_link_that_is_cut_for_real_leaves_the_valves_at_zero_and_nothing_resumes(service: str, ways: str):
+    line = ["unshare", "-rn", sys.executable, str(SCRIPT), service, ways]
+    made = subprocess.run(line, capture_output=True, text=True, check=False, cwd=SCRIPT.parent.parent, timeout=180)
+    assert made.returncode == 0, made.stderr
+    found = json.loads(made.stdout.splitlines()[-1])
+    lost = ("PERMIT_STALE", "NO_PERMIT") if service == "supervisor" else ("COMMAND_STALE",)  # it may trip before its lease ends
+    assert found["during"]["at_rest"] and found["after"]["at_rest"]
+    assert found["during"]["last_cut"] in lost
+    assert found["after"]["mode"] in ("TRIPPED", "DISARMED")
