@@ -113,7 +113,7 @@ def from_toml(path: Path) -> Experiment:
         raise ExperimentError([f"{path}: cannot be read ({reason}): give the path of a TOML file"]) from None
     try:
         return from_plain(tomllib.loads(text), str(path))
-    except tomllib.TOMLDecodeError as reason:
+    except (tomllib.TOMLDecodeError, RecursionError) as reason:
         raise ExperimentError([f"{path}: is no TOML: {reason}; correct the syntax there"]) from None
 
 
@@ -140,7 +140,7 @@ def from_bytes(data: bytes) -> Experiment:
     """The experiment that `data` carries. Raises ExperimentError."""
     try:
         plain = json.loads(data)
-    except ValueError as reason:
+    except (ValueError, RecursionError) as reason:
         raise ExperimentError([f"message: is no JSON: {reason}; send the bytes of to_bytes"]) from None
     return from_plain(plain, "message")
 

@@ -157,3 +157,13 @@ def test_a_claim_that_does_not_fit_is_refused():
     assert "claims.1.unit is N: rms_error of q2 is stated in one of rad, deg" in refused(claims__1__unit="N")[0]
     assert refused(claims__0__end_s=5.1)[0].startswith("trial.toml: claims.0.end_s is 5.1 s")
     assert "claims.0.metric" in refused(claims__0__metric="niceness")[0]
+
+
+@pytest.mark.parametrize("nested", ["[" * 100_000, '{"plant":' + "[" * 100_000])
+def test_an_experiment_nested_without_end_is_refused_in_words(nested, tmp_path):
+    with pytest.raises(ExperimentError, match="is no JSON"):
+        from_bytes(nested.encode())
+    deep = tmp_path / "deep.toml"
+    deep.write_text("a = " + "[" * 100_000)
+    with pytest.raises(ExperimentError, match="is no TOML"):
+        from_toml(deep)
