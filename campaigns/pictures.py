@@ -59,15 +59,28 @@ def grid_of(plan: Plan, picture: Picture, table: pa.Table) -> tuple[Reals, Reals
     return x, y, np.divide(total, number, out=np.full_like(total, np.nan), where=number > 0.0)
 
 
+def edges(centres: Reals, log: bool) -> Reals:
+    """(n + 1,) borders of the cells about two or more ascending `centres` (n,): halfway, on a log scale by the logarithm."""
+    seen = np.log(centres) if log else centres
+    halfway = (seen[1:] + seen[:-1]) / 2.0
+    ends = np.concatenate(([2.0 * seen[0] - halfway[0]], halfway, [2.0 * seen[-1] - halfway[-1]]))
+    made: Reals = np.exp(ends) if log else ends
+    return made
+
+
+def _is_log(plan: Plan, name: str) -> bool:
+    grid = plan.campaign.sweep[name].grid
+    return grid is not None and grid.scale == "log"
+
+
 def _map(axes: Axes, plan: Plan, picture: Picture, table: pa.Table) -> None:
     """Colour over two parameters; a cross where a trial did not complete."""
     x, y, mean = grid_of(plan, picture, table)
     axes.set_facecolor(MISSING)
-    mesh = axes.pcolormesh(x, y, mean, shading="nearest", cmap="viridis", rasterized=True)
+    logs = [_is_log(plan, name) for name in (picture.x, picture.y)]
+    mesh = axes.pcolormesh(edges(x, logs[0]), edges(y, logs[1]), mean, cmap="viridis", rasterized=True)
     axes.figure.colorbar(mesh, ax=axes, label=label(plan, picture.of))
-    for name, scale in ((picture.x, axes.set_xscale), (picture.y, axes.set_yscale)):
-        grid = plan.campaign.sweep[name].grid
-        scale("log" if grid is not None and grid.scale == "log" else "linear")
+    axes.set(xscale="log" if logs[0] else "linear", yscale="log" if logs[1] else "linear")
     axes.set(xlabel=label(plan, picture.x), ylabel=label(plan, picture.y))
     ended = np.array(table.column("ended").to_pylist()) != COMPLETED
     if ended.any():

@@ -95,7 +95,7 @@ def _picture_problems(campaign: Campaign) -> list[str]:
                 found.append(f"pictures.{name}.{field} is {getattr(picture, field)!r}: no column; use one of {hint}")
         if picture.kind == "map":
             found += [
-                f"pictures.{name}.{field} is {getattr(picture, field)!r}: a map goes over grids and lists of numbers"
+                f"pictures.{name}.{field} is {getattr(picture, field)!r}: a map goes over grids and lists of two or more numbers"
                 for field in ("x", "y")
                 if getattr(picture, field) in known and not _is_scale(campaign, getattr(picture, field))
             ]
@@ -108,4 +108,4 @@ def _is_scale(campaign: Campaign, name: str) -> bool:
     axis = campaign.sweep.get(name)
     if axis is None or distribution(axis) is not None:
         return False
-    return axis.list is None or all(type(value) in (int, float) for value in axis.list)
+    return axis.list is None or (len(axis.list) > 1 and all(type(value) in (int, float) for value in axis.list))

@@ -7,7 +7,7 @@ import pytest
 from matplotlib.image import imread
 
 from campaigns.borders import border_lines
-from campaigns.pictures import draw_all, grid_of
+from campaigns.pictures import draw_all, edges, grid_of
 from campaigns.table import schema, table
 from campaigns.trials import count, trial_of
 from services.plant.params import UNIMATE
@@ -57,3 +57,8 @@ def test_every_picture_is_written(tmp_path: Path):
     made = draw_all(ONE, rows(missing=(1, 2, 3)), tmp_path)
     assert [path.name for path in made] == ["tiny-map.png", "tiny-spread.png"]
     assert all(imread(path).std() > 0.01 for path in made)
+
+
+def test_a_cell_reaches_halfway_to_its_neighbours_on_its_own_scale():
+    assert edges(np.array([1.0, 2.0, 4.0]), False).tolist() == [0.5, 1.5, 3.0, 5.0]
+    assert np.allclose(edges(np.array([1.0, 100.0]), True), [0.1, 10.0, 1000.0])

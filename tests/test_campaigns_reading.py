@@ -65,7 +65,10 @@ def test_a_name_that_nothing_has_leads_to_the_nearest():
         ({"set": {"controller.lw": "pi"}}, ("mine.toml: set controller.lw", "law")),
         ({"set": {"duration_s": -1.0}}, ("mine.toml: set: duration_s is -1.0 s",)),
         ({"pictures": {"p": {"kind": "map", "of": "peak", "x": "mass_kg", "y": "mass_kg"}}}, ("pictures.p.of", "peak_n")),
-        ({"pictures": {"p": {"kind": "map", "of": "peak_n", "x": "mass_kg", "y": "controller.law"}}}, ("lists of numbers",)),
+        (
+            {"pictures": {"p": {"kind": "map", "of": "peak_n", "x": "mass_kg", "y": "controller.law"}}},
+            ("lists of two or more numbers",),
+        ),
         (
             {"pictures": {"p": {"kind": "map", "of": "peak_n", "x": "mass_kg", "y": "mass_kg", "border": "limit-cycle"}}},
             ("border 'limit-cycle' needs", "stiffness_n_per_m"),
@@ -99,3 +102,15 @@ def test_the_digest_changes_with_what_decides_a_row_and_with_nothing_else():
     assert plan(title="Another", pictures=picture).digest == first
     for change in ({"seed": 6}, {"repeats": 3}, {"experiment": "fig-5-6"}, {"claims": False, "set": {}}):
         assert plan(**change).digest != first, change
+
+
+def test_the_campaign_of_the_documentation_is_valid(tmp_path: Path):
+    page = (Path(__file__).resolve().parent.parent / "docs" / "campaigns.md").read_text()
+    file = tmp_path / "mine.toml"
+    file.write_text(page.split("```toml\n")[1].split("```")[0])
+    validate(read(file))
+
+
+def test_the_documentation_lists_what_ships_with_its_number_of_trials():
+    page = (Path(__file__).resolve().parent.parent / "docs" / "campaigns.md").read_text()
+    assert all(f"| `{name}` | {count(find_campaign(name).campaign):,} |" in page for name in shipped())

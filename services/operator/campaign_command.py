@@ -26,7 +26,7 @@ _INTERRUPTED = 130
 
 @app.command()
 def campaign(
-    name: Annotated[str | None, typer.Argument(help="A campaign that ships, or a TOML file.")] = None,
+    which: Annotated[str | None, typer.Argument(metavar="[NAME]", help="A campaign that ships, or a TOML file.")] = None,
     listed: Annotated[bool, typer.Option("--list", help="List the campaigns that ship.")] = False,
     workers: Annotated[int | None, typer.Option(min=1, help="Processes on this machine; default: one a core.")] = None,
     scheduler: Annotated[str | None, typer.Option(metavar="ADDRESS", help="Dask scheduler, such as tcp://host:8786.")] = None,
@@ -51,10 +51,10 @@ def campaign(
 
     if listed:
         return _list()
-    if name is None:
+    if which is None:
         raise fail("which campaign? give the name of one that ships (`hydrohil campaign --list`) or a TOML file", EXIT_USAGE)
     try:
-        plan = find_campaign(name)
+        plan = find_campaign(which)
         if trial is not None:
             return _show_trial(plan, trial)
         longest = _validated(plan)
