@@ -15,6 +15,7 @@ from experiments.experiment import Experiment
 TIMES_REAL_TIME = 400.0  # of one core, roughly: for the size of a chunk and the time that it takes
 OVERHEAD_S = 0.005  # of a trial, beside its kernel
 CHUNK_S = 2.0  # of work in a task: far more than the few ms that a scheduler takes, far less than anybody minds to lose
+MOST_PARTS = 10_000  # files of a campaign: of one that takes many hours a task is longer
 AHEAD = 2  # chunks a worker has waiting
 LOST = "what is finished is kept, and the same command goes on"
 
@@ -31,8 +32,8 @@ def pending(store: Store) -> list[int]:
 
 
 def chunk_size(one_trial_s: float, trials: int, workers: int) -> int:
-    """Trials in a task: about two seconds of work, and several tasks for every worker."""
-    return max(1, min(int(CHUNK_S / one_trial_s), trials // (4 * workers)))
+    """Trials in a task: about two seconds of work, not too many files, and several tasks for every worker."""
+    return max(1, min(max(int(CHUNK_S / one_trial_s), trials // MOST_PARTS), trials // (4 * workers)))
 
 
 def run(client: Client, store: Store, todo: list[int], one_trial_s: float, tell: Callable[[list[Row]], None]) -> None:

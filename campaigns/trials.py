@@ -18,6 +18,7 @@ from experiments.errors import ExperimentError
 from experiments.experiment import Experiment, from_plain, to_plain
 from experiments.overrides import assign, assignment
 from services.plant.noise import uniforms
+from shared.faults import problem
 
 CORNERS = 256  # at most so many combinations of extreme values are validated before anything runs
 
@@ -118,18 +119,21 @@ def validate(plan: Plan) -> Experiment:
         try:
             experiment = experiment_of(plan, parameters)
         except ExperimentError as refused:
-            found = {problem: told for problem in refused.problems} | found
+            found = dict.fromkeys(refused.problems, told) | found
             continue
-        found = {problem: told for problem in _measure_problems(plan, experiment)} | found
+        found = dict.fromkeys(_problems(plan, experiment), told) | found
         longest = max(longest, experiment, key=lambda one: one.duration_s)
     if found:
-        raise ExperimentError(f"{problem} (first at {told})" for problem, told in found.items())
+        raise ExperimentError(f"{what} (first at {told})" for what, told in found.items())
     return longest
 
 
-def _measure_problems(plan: Plan, experiment: Experiment) -> list[str]:
-    return [
+def _problems(plan: Plan, experiment: Experiment) -> list[str]:
+    """Metrics that do not fit the experiment, and faults that the local clock cannot play."""
+    found = [
         f"{plan.path}: metrics.{claim.statement}.{field} {what}"
         for claim in measure_claims(plan.campaign)
         for field, what in problems(claim, experiment.duration_s)
     ]
+    unplayed = ((number, problem(fault, "local")) for number, fault in enumerate(experiment.faults))
+    return found + [f"{plan.path}: faults.{number}: {what}" for number, what in unplayed if what]

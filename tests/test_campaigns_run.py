@@ -49,5 +49,6 @@ def test_an_address_without_a_scheduler_says_how_to_start_one(monkeypatch: pytes
 def test_a_chunk_is_two_seconds_of_work_and_every_worker_gets_several():
     assert chunk_size(0.05, 10_000, 2) == 40
     assert chunk_size(0.01, 40, 2) == 5
+    assert chunk_size(0.05, 10**7, 100) == 1000  # and there are 10,000 parts at most
     assert chunk_size(10.0, 100, 2) == chunk_size(0.01, 3, 2) == 1
     assert runs.CHUNK_S == 2.0

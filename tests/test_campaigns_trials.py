@@ -67,6 +67,10 @@ def test_the_printed_command_makes_the_same_experiment():
         ({"sweep": {DAMPING: {"grid": {"from": 1.0, "to": 101.0, "count": 3}}}}, "less than or equal to 100"),
         ({"sweep": {DAMPING: {"normal": {"mean": 0.0, "deviation": 1.0}}}, "repeats": 20}, "greater than or equal to 0"),
         ({"sweep": {"a": {"list": [0.0], "sets": {DAMPING: "1 / value"}}}}, "sweep.a.sets"),
+        (
+            {"set": {"faults": [{"kind": "loss", "target": "plant>controller", "at_s": 0.0, "lasts_s": 1.0, "value": 0.1}]}},
+            "local clock",
+        ),
         ({"sweep": {"duration_s": {"list": [0.1, 0.05]}}}, "metrics.peak_n.end_s"),
     ],
 )

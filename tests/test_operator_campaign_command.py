@@ -144,6 +144,9 @@ def test_the_campaigns_that_ship_are_listed():
         (("none.toml",), "none.toml"),
         (("stability-map", "--trial", "10000"), "0 to 9999"),
         (("stability-map", "--dry-run", "--workers", "0"), "workers"),
+        (("stability-map", "--dry-run", "--json", "x.json"), "--json"),
+        (("--list", "--trial", "1"), "--trial"),
+        (("stability-map", "--workers", "2", "--scheduler", "tcp://127.0.0.1:1"), "--workers"),
     ],
 )
 def test_wrong_usage_ends_with_2_and_says_what_is_expected(arguments: tuple[str, ...], words: str):

@@ -49,6 +49,7 @@ def campaign(
     from campaigns.store import StoreError
     from experiments.errors import ExperimentError
 
+    _fits_together(listed, dry_run, trial, {"--json": json_file, "--fresh": fresh, "--scheduler": scheduler}, workers)
     if listed:
         return _list()
     if which is None:
@@ -68,6 +69,18 @@ def campaign(
         raise fail(error, EXIT_USAGE) from None
     except ClusterError as error:
         raise fail(error, EXIT_TRANSPORT) from None
+    except KeyboardInterrupt:
+        raise fail("interrupted: what is finished is kept, and the same command goes on", _INTERRUPTED) from None
+
+
+def _fits_together(listed: bool, dry_run: bool, trial: int | None, given: dict[str, object], workers: int | None) -> None:
+    """Refuse options that would be ignored."""
+    shows = [flag for flag, there in (("--list", listed), ("--dry-run", dry_run), ("--trial", trial is not None)) if there]
+    unused = [flag for flag, value in given.items() if value]
+    if len(shows) > 1 or (shows and unused):
+        raise fail(f"{shows[0]} runs nothing: leave {' and '.join((*shows[1:], *unused))} out", EXIT_USAGE)
+    if workers and given["--scheduler"]:
+        raise fail("--workers is of processes on this machine: leave it out, the cluster has its own", EXIT_USAGE)
 
 
 def _list() -> None:
