@@ -134,3 +134,14 @@ def test_a_wall_of_any_stiffness_met_at_any_speed_is_explained():
                 watch, seen = step(watch or ForceWatch(), k * speed * DT_S * max(0, i - 10), push)
                 assert seen.unexplained_n <= seen.unexplained_limit_n
                 assert abs(seen.jump_n) <= seen.jump_limit_n
+
+
+def test_force_is_told_raw_and_without_its_bias():
+    seen = step(ForceWatch(), 50.0, REST._replace(follows=False, bias_n=20.0))[1]
+    assert (seen.raw_n, seen.tared_n, seen.smooth_n, seen.bias_n, seen.bias_spread_n) == (50.0, 30.0, 30.0, 20.0, 4.0)
+
+
+def test_work_taken_back_beyond_what_was_given_counts_for_nothing():
+    watch, seen = played([100.0] * 3, REST._replace(way_m=-1.0))
+    assert (watch.energy_j, seen.energy_j) == (0.0, 0.0)
+    assert step(watch, 100.0, REST._replace(way_m=0.002))[1].energy_j == pytest.approx(0.2)
