@@ -5,6 +5,7 @@ from services.plant.device import Timeline
 from services.plant.emulator import Emulator
 from services.plant.machine import advance, machine_start
 from services.plant.params import UNIMATE, Environment, contact_params
+from shared.faults import Fault
 from shared.messages import NO_TRIAL
 
 MOVING = (2048, 2048, 2700)
@@ -25,6 +26,7 @@ def scene(made):
     timeline.substep = timeline.number = 0
     timeline.tick = NO_TRIAL
     emulator.watchdog(WATCHDOG)
+    emulator.clear()
     emulator.load(PlantConfig(), 0, 0, 4096, ())
     emulator.begin()
     return timeline, emulator
@@ -127,3 +129,45 @@ def test_nothing_compiles_after_the_emulator_is_made(scene, kind):
     at(scene, 200)
     assert list(emulator._advance.signatures) == compiled_for
     assert len(compiled_for) == 1
+
+
+def sampled(scene, samples, codes=MOVING):
+    """Readings and truths of that many samples with these codes written 72 sub-steps after each."""
+    timeline, emulator = scene
+    told = []
+    for number in range(samples):
+        timeline.number, timeline.substep = number, 90 * number
+        told.append((emulator.read(), emulator.truth()))
+        timeline.substep += 72
+        emulator.write(codes)
+    return told
+
+
+def test_a_fault_by_hand_shows_in_the_readings_alone_and_the_truth_stays_true(scene):
+    sound = sampled(scene, 8)
+    timeline, emulator = scene
+    timeline.substep = timeline.number = 0
+    emulator.begin()
+    emulator.inject(Fault("dropout", "encoder_out_in", 0.009, 0.009))
+    broken = sampled(scene, 8)
+    assert [truth for _, truth in broken] == [truth for _, truth in sound]
+    assert [reading.encoder_counts[2] == 0 for reading, _ in broken] == [number in (3, 4) for number in range(8)]
+    assert [emulator.faults()[0], emulator.faults()[1]] == [(), ()]
+
+
+def test_a_stuck_converter_holds_its_code_until_its_watchdog_falls(scene):
+    timeline, emulator = scene
+    emulator.write(MOVING)
+    emulator.inject(Fault("stuck", "dac_out_in"))
+    timeline.number, timeline.substep = 1, 90
+    emulator.read()
+    timeline.substep = 162
+    emulator.write(ZERO)
+    seen = at(scene, 162 + WATCHDOG + 100)
+    assert (seen.q_rad, seen.spool_a) == expected((MOVING, 162 + WATCHDOG), (ZERO, 100))
+
+
+def test_what_only_the_bus_or_the_operator_can_break_is_no_matter_of_the_machine(scene):
+    _, emulator = scene
+    assert emulator.refuses((Fault("stuck", "force"), Fault("leak", "valve_rotate", value=2.0))) == ""
+    assert "alone" in emulator.refuses((Fault("stuck", "force"), Fault("kill", "controller")))

@@ -1,0 +1,48 @@
+import pytest
+
+from experiments.errors import ExperimentError
+from experiments.experiment import from_plain, to_plain
+from experiments.injections import fault_of, with_faults
+from experiments.library import find
+from experiments.overrides import with_overrides
+from shared.faults import Fault
+
+EXPERIMENT = find("fig-4-25")
+
+
+@pytest.mark.parametrize(
+    ("line", "fault"),
+    [
+        ("stuck force", Fault("stuck", "force")),
+        ("stuck force at=1.0 for=0.5", Fault("stuck", "force", 1.0, 0.5)),
+        ("offset  encoder_rotate value=-40 at=-0.5", Fault("offset", "encoder_rotate", -0.5, 0.0, -40.0)),
+    ],
+)
+def test_a_line_says_what_breaks_where_when_and_by_how_much(line, fault):
+    assert fault_of(line) == fault
+    assert with_faults(EXPERIMENT, (line, "drop supply value=1")).faults == (fault, Fault("drop", "supply", value=1.0))
+
+
+@pytest.mark.parametrize(
+    "line", ["", "stuck", "stuck at=1", "stuck force at", "stuck force when=1", "stuck force at=soon", "a b c"]
+)
+def test_a_line_that_says_something_else_is_refused_with_an_example(line):
+    with pytest.raises(ExperimentError, match=r"such as 'stuck force at=1\.0 for=0\.5'"):
+        fault_of(line)
+
+
+@pytest.mark.parametrize("line", ["stuck nothing", "leak valve_rotate value=0.5", "stuck force at=4000", "stuck force at=nan"])
+def test_what_the_table_does_not_know_is_refused_as_in_a_file(line):
+    with pytest.raises(ExperimentError):
+        with_faults(EXPERIMENT, (line,))
+
+
+def test_faults_may_be_set_as_a_list_changed_one_by_one_and_written_down():
+    settings = ('faults=[{kind="stuck", target="force", at_s=1}]', "faults.0.at_s=2.5")
+    broken = with_overrides(EXPERIMENT, settings)
+    assert broken.faults == (Fault("stuck", "force", 2.5),)
+    assert from_plain(to_plain(broken), "again") == broken
+
+
+def test_without_a_line_nothing_changes():
+    assert with_faults(EXPERIMENT, ()) is EXPERIMENT

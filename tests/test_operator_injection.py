@@ -1,0 +1,45 @@
+import json
+
+import pytest
+from typer.testing import CliRunner
+
+from services.operator.cli import app
+from services.operator.injection import INJECTORS, SCHEDULED, refused, unplayable
+from shared.faults import ROWS, Fault
+
+ONE_OF_EACH = [Fault(row.kind, row.targets[0], value=row.low) for row in ROWS]
+
+
+@pytest.mark.parametrize(("fault", "row"), zip(ONE_OF_EACH, ROWS, strict=True))
+def test_a_fault_is_taken_where_somebody_plays_it_and_refused_everywhere_else(fault, row):
+    assert (refused(fault) == "") is (row.group in INJECTORS)
+    for clock in ("local", "lockstep", "real"):
+        assert (unplayable([fault], clock) == []) is (row.group in SCHEDULED and clock in row.clocks)
+
+
+@pytest.mark.parametrize(
+    "fault",
+    [
+        Fault("stuck", "nothing"),
+        Fault("stuck", "force", value=1.0),
+        Fault("stuck", "force", lasts_s=-1.0),
+        Fault("stuck", "force", float("nan")),
+    ],
+)
+def test_what_cannot_be_injected_is_said_before_anybody_is_asked(fault):
+    assert "\n" not in refused(fault) and refused(fault)
+
+
+def test_the_list_has_every_row_with_its_unit_and_bounds():
+    listed = json.loads(CliRunner().invoke(app, ["inject", "--list", "--json"]).stdout)
+    assert [(row["kind"], tuple(row["targets"])) for row in listed] == [(row.kind, row.targets) for row in ROWS]
+    leak = next(row for row in listed if row["kind"] == "leak")
+    assert (leak["unit"], leak["low"], leak["high"], leak["injected"]) == ("times", 1.0, 1000.0, True)
+    assert "cross-port" in CliRunner().invoke(app, ["inject", "--list"]).stdout
+
+
+@pytest.mark.parametrize("clock", ["local", "lockstep", "real"])
+def test_a_run_refuses_what_its_clock_cannot_break_before_anything_starts(clock):
+    given = ["run", "fig-4-25", "--clock", clock, "--inject", "kill controller at=1"]
+    done = CliRunner().invoke(app, given)
+    assert (done.exit_code == 2) or "process" in SCHEDULED

@@ -1,0 +1,106 @@
+"""What the plant answers when it is asked to break, and a device that cannot."""
+
+from types import SimpleNamespace
+
+import pytest
+
+from services.plant.config import GateLimits, PlantConfig
+from services.plant.requests import MOST_FAULTS, answer
+from services.plant.trial import Schedule
+from shared.bus import Request
+from shared.envelope import seal, unseal
+from shared.faults import Fault
+
+STUCK = {"kind": "stuck", "target": "force"}
+WHOLE = {"plant": {}, "faults": [STUCK]}
+
+
+class Machine:
+    """A device that is told of faults; `reason` is why it takes none."""
+
+    def __init__(self, reason=""):
+        self.reason, self.injected = reason, []
+
+    def refuses(self, faults):
+        return self.reason if faults else ""
+
+    def inject(self, fault):
+        self.injected.append(fault)
+
+    def clear(self):
+        self.injected = []
+
+    def faults(self):
+        return tuple(self.injected), ()
+
+
+def plant(device):
+    keeper = SimpleNamespace(
+        gate=SimpleNamespace(arming=0),
+        limits=GateLimits(),
+        mailbox=SimpleNamespace(permit_seen=lambda _: SimpleNamespace(arming=0, age_ns=0)),
+    )
+    return SimpleNamespace(
+        device=device, keeper=keeper, timeline=SimpleNamespace(number=70), schedule=Schedule(PlantConfig()), now_ns=int
+    )
+
+
+def asked(device, verb, **arguments):
+    told = []
+    answer(plant(device), Request(verb, arguments, lambda *given: told.append(given)))
+    return told[0]
+
+
+def text(experiment, clock="lockstep"):
+    return seal(experiment, run=1, seed=1, clock=clock, bias_ticks=100, duration_ticks=50)
+
+
+def test_a_fault_by_hand_begins_at_the_sample_that_is_told():
+    device = Machine()
+    assert asked(device, "inject", fault=STUCK) == (True, "", {"number": 71})
+    assert asked(device, "inject", fault=STUCK | {"at_s": 0.45}) == (True, "", {"number": 171})
+    assert device.injected == [Fault("stuck", "force"), Fault("stuck", "force", 0.45)]
+    assert asked(device, "clear") == (True, "", {})
+    assert device.injected == []
+
+
+@pytest.mark.parametrize(
+    ("fault", "words"),
+    [
+        (None, "fault is None"),
+        ({}, "fault.kind"),
+        (STUCK | {"kind": "explode"}, "expected one of stuck"),
+        (STUCK | {"value": 1.0}, "takes none"),
+        (STUCK | {"at_s": -0.1}, "expected 0 or later"),
+        (STUCK | {"lasts_s": "long"}, "fault.lasts_s"),
+        ({"kind": "leak", "target": "valve_rotate", "value": 0.9}, "expected 1..1000"),
+    ],
+)
+def test_a_fault_that_the_table_does_not_know_is_refused_by_the_plant_itself(fault, words):
+    device = Machine()
+    accepted, reason, _ = asked(device, "inject", fault=fault)
+    assert not accepted and words in reason and "\n" not in reason
+    assert device.injected == []
+
+
+def test_more_faults_than_a_sample_has_time_for_are_refused():
+    device = Machine()
+    device.injected = [Fault("stuck", "force")] * (MOST_FAULTS - 1)
+    assert asked(device, "inject", fault=STUCK)[0]
+    accepted, reason, _ = asked(device, "inject", fault=STUCK)
+    assert not accepted and "--clear" in reason
+
+
+def test_a_device_that_cannot_break_refuses_the_fault_and_the_load():
+    real = Machine("a real machine is not broken by a program")
+    assert asked(real, "inject", fault=STUCK) == (False, real.reason, {})
+    assert asked(real, "load", envelope=text(WHOLE)) == (False, real.reason, {})
+    assert asked(real, "load", envelope=text({"plant": {}}))[0]
+    assert real.injected == []
+
+
+def test_a_load_with_a_fault_that_its_clock_cannot_play_is_refused():
+    kill = {"faults": [{"kind": "kill", "target": "controller"}]}
+    assert "only on real" in asked(Machine(), "load", envelope=text(kill))[1]
+    assert asked(Machine(), "load", envelope=text(WHOLE))[0]
+    assert Schedule(PlantConfig(), unseal(text(WHOLE))).faults == (Fault("stuck", "force"),)
