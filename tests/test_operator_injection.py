@@ -38,8 +38,7 @@ def test_the_list_has_every_row_with_its_unit_and_bounds():
     assert "cross-port" in CliRunner().invoke(app, ["inject", "--list"]).stdout
 
 
-@pytest.mark.parametrize("clock", ["local", "lockstep", "real"])
+@pytest.mark.parametrize("clock", ["local", "lockstep"])
 def test_a_run_refuses_what_its_clock_cannot_break_before_anything_starts(clock):
-    given = ["run", "fig-4-25", "--clock", clock, "--inject", "kill controller at=1"]
-    done = CliRunner().invoke(app, given)
-    assert (done.exit_code == 2) or "process" in SCHEDULED
+    done = CliRunner().invoke(app, ["run", "fig-4-25", "--clock", clock, "--inject", "kill controller at=1"])
+    assert done.exit_code == 2

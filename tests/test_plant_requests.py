@@ -8,6 +8,7 @@ from services.plant.config import GateLimits, PlantConfig
 from services.plant.requests import MOST_FAULTS, answer
 from services.plant.trial import Schedule
 from shared.bus import Request
+from shared.detour import idle
 from shared.envelope import seal, unseal
 from shared.faults import Fault
 
@@ -40,9 +41,9 @@ def plant(device):
         limits=GateLimits(),
         mailbox=SimpleNamespace(permit_seen=lambda _: SimpleNamespace(arming=0, age_ns=0)),
     )
-    return SimpleNamespace(
-        device=device, keeper=keeper, timeline=SimpleNamespace(number=70), schedule=Schedule(PlantConfig()), now_ns=int
-    )
+    timeline, schedule = SimpleNamespace(number=70), Schedule(PlantConfig())
+    bus, others = SimpleNamespace(conditions=idle("plant")), SimpleNamespace(clear=lambda: None)
+    return SimpleNamespace(device=device, keeper=keeper, timeline=timeline, schedule=schedule, now_ns=int, bus=bus, faults=others)
 
 
 def asked(device, verb, **arguments):
