@@ -2,12 +2,12 @@
 
 from functools import partial
 
-from battery.simulations import broken
-from battery.strikes import beyond_joint, beyond_workspace, gated, pushed, struck_live
+from battery.simulations import broken, disobeyed
+from battery.strikes import beyond_joint, beyond_workspace, gated, lasting, pushed, steep, struck_live, working
 from battery.trial import Lived, Played, Proved, Row, Untried
 from shared.faults import Fault
 
-JUMP_S, VALVE_S = 0.1, 0.2
+JUMP_S = 0.1
 
 
 def _one(words: str, motion: str, kind: str, target: str, value: float, bound_s: float, periods: float = 0.0) -> Played:
@@ -21,6 +21,10 @@ def _one(words: str, motion: str, kind: str, target: str, value: float, bound_s:
             bound=lambda period_s: bound_s + periods * period_s,
         ),
     )
+
+
+def _disobeyed(words: str, kind: str, target: str, value: float = 0.0) -> Played:
+    return Played(words, partial(disobeyed, kind=kind, target=target, value=value))
 
 
 MACHINE = (
@@ -72,18 +76,32 @@ MACHINE = (
             Lived("struck at full speed; overshoot told", struck_live, most=10),
         ),
     ),
-    Row("21", "force rate, time in contact, energy", "safe", "T", (Untried("no rule of this name yet"),)),
+    Row(
+        "21",
+        "force rate, time above the contact level, energy into the environment",
+        "safe",
+        "T beyond the limit, of the smoothed force",
+        (
+            Played("struck at full speed: the rate", steep),
+            Played("pushed: 100 N for 0.1 s", lasting),
+            Played("pushed: an energy of 0.5 J", working),
+            Proved(
+                "each rule at its limit and just past it",
+                ("tests/test_supervisor_rules.py::test_a_rule_breaks_just_past_its_limit_and_tells_its_own_numbers",),
+            ),
+        ),
+    ),
     Row(
         "22",
         "encoder jump, stuck counter, dropout, wrap",
         "invalid: safe",
-        "2 T; stuck: 200 ms",
+        "2 T; stuck: 200 ms of a current that must move it + 2 T",
         (
             _one("a jump of 200 counts", "swing", "offset", "encoder_down_up", 200.0, 0.0, 2.0),
             _one("cable off", "swing", "dropout", "encoder_down_up", 0.0, 0.0, 2.0),
             _one("the highest bit flips", "swing", "wrap", "encoder_down_up", 0.0, 0.0, 2.0),
             _one("any code", "swing", "garbage", "encoder_down_up", 0.0, 0.0, 2.0),
-            _one("stuck", "swing", "stuck", "encoder_down_up", 0.0, VALVE_S),
+            _disobeyed("stuck", "stuck", "encoder_down_up"),
         ),
     ),
     Row(
@@ -104,12 +122,12 @@ MACHINE = (
         "24",
         "valve stuck, leak, supply lost, D/A stuck",
         "current without motion, or motion against it: safe",
-        "200 ms",
+        "200 ms of such a current + 2 T",
         (
-            _one("spool stuck", "swing", "stuck", "valve_down_up", 0.0, VALVE_S),
-            _one("supply lost", "swing", "drop", "supply", 1.0, VALVE_S),
-            _one("D/A stuck", "swing", "stuck", "dac_down_up", 0.0, VALVE_S),
-            _one("leak, 1000 times", "swing", "leak", "valve_down_up", 1000.0, VALVE_S),
+            _disobeyed("spool stuck", "stuck", "valve_down_up"),
+            _disobeyed("supply lost", "drop", "supply", 1.0),
+            _disobeyed("D/A stuck", "stuck", "dac_down_up"),
+            _disobeyed("leak, 1000 times", "leak", "valve_down_up", 1000.0),
         ),
     ),
     Row(

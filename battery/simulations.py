@@ -15,13 +15,17 @@ from rollout.cell import Columns
 from rollout.rollout import Outcome, play_local
 from services.plant.config import GateLimits
 from services.plant.mechanism import posture, tip
+from services.supervisor.machine import MOVES_DOWN_A, MOVES_UP_A, MOVES_WITHIN_NS
 from services.supervisor.rules import trip_words
+from shared.converters import ZERO_CODE, code_to_current
 from shared.faults import Fault, ticks_of
 from shared.messages import GateCause, Mode, TripCause
 from shared.units import NS_PER_S, SUBSTEP_S
 
 PLAYED_S = 6.0
 FIRST_S, LAST_S = 1.5, 3.5  # the fault begins somewhere between
+LINK = 1  # down/up, which swings
+MOVES_WITHIN_S = MOVES_WITHIN_NS / NS_PER_S
 MOTIONS = {"swing": SWING, "press": PRESS}
 
 
@@ -63,6 +67,36 @@ def broken(seed: int, motion: str, faults: Callable[[float], tuple[Fault, ...]],
     experiment = MOTIONS[motion]._replace(duration_s=PLAYED_S, faults=faults(at_s))
     outcome = play_local(experiment, seed)
     return timed(experiment, outcome, first_with(experiment, outcome), bound(period_s(experiment)))
+
+
+def disobeyed(seed: int, kind: str, target: str, value: float) -> Trial:
+    """A valve, supply or counter of the down/up link, timed from where the current must move the link, and it does not.
+
+    200 ms of such a current, rounded up to a whole sample, and the sample that first tells of the current: 200 ms + 2 T.
+    """
+    at_s = at(seed)
+    experiment = SWING._replace(duration_s=PLAYED_S, faults=(Fault(kind, target, at_s, 0.0, value),))
+    outcome = play_local(experiment, seed)
+    first, end = first_with(experiment, outcome), ended(outcome)
+    since = max(first, undriven_since(outcome.rows, min(end.row, len(outcome.rows.tick) - 1)))
+    trial = timed(experiment, outcome, since, math.nan)
+    bound_s = MOVES_WITHIN_S + 2.0 * period_s(experiment)
+    reaction_s = trial.reaction_s - outcome.latch_ns / NS_PER_S  # the current stands from the latch of its row on
+    held = trial.held and reaction_s <= bound_s
+    words = f"{end.row - first} samples after the fault, {end.row - since} after the current that must move it; {end.words}"
+    return trial._replace(held=held, words=words, reaction_s=reaction_s, bound_s=bound_s)
+
+
+def undriven_since(rows: Columns, end: int) -> int:
+    """The first row from which up to `end` a current that must move link 2 stands, and the link never gets further with it."""
+    sign = 1 if rows.dac_counts[end - 1, LINK] > ZERO_CODE else -1
+    must_a = MOVES_UP_A[LINK] if sign > 0 else MOVES_DOWN_A[LINK]
+    row = end
+    while row > 0 and sign * code_to_current(int(rows.dac_counts[row - 1, LINK])) >= must_a:
+        if sign * (rows.q_rad[row, LINK] - rows.q_rad[row - 1, LINK]) > 0.0:
+            break
+        row -= 1
+    return row
 
 
 def first_with(experiment: Experiment, outcome: Outcome) -> int:

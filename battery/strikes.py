@@ -2,20 +2,25 @@
 
 from random import Random
 
+import numpy as np
+
 from battery.observer import since, zero_at
 from battery.operators import hop_s
 from battery.processes import WATCHED_S, confirmed, judged, period_s
 from battery.rig import Rig
-from battery.simulations import crossed
+from battery.simulations import Bools, crossed, ended
 from battery.swings import BIAS_S, SWING
 from battery.trial import Trial
 from experiments.chapter5 import TIP_Z_M, sampled
+from experiments.experiment import Experiment
 from rollout.cell import Columns
+from rollout.rollout import play_local
 from services.controller.config import ControllerConfig, Segment
 from services.plant.config import GateLimits
 from services.plant.params import Environment
+from services.supervisor.observe_motion import SMOOTHING_S
 from shared.converters import N_PER_FORCE_COUNT
-from shared.messages import NO_TRIAL, Mode
+from shared.messages import NO_TRIAL, Mode, TripCause
 
 PLATE_N_PER_M = 57.6e3  # the stiffest that the thesis measured with its gauge
 BELOW_M = 0.12  # far enough that the link is at full speed when it strikes
@@ -23,6 +28,7 @@ STEP_RAD = 0.35
 STRUCK_S = 3.0
 GATE_N = 200.0  # a gate's limit below the supervisor's, so that the gate must act first and alone
 HIGH_RAD = 0.05
+LEVEL_N, LEVEL_S, ENERGY_J = 100.0, 0.1, 0.5
 LOW_Z_M = -0.42
 STRIKE = SWING._replace(
     name="battery-strike",
@@ -60,7 +66,43 @@ def bias_n(rows: Columns) -> float:
 def gated(seed: int) -> Trial:
     """From the first sample above the gate's own limit, which here lies below the supervisor's."""
     limits = GateLimits(force_limit_n=GATE_N)
-    return crossed(seed, STRIKE, lambda rows: rows.force_counts * N_PER_FORCE_COUNT > GATE_N, _one_period, limits)
+    return crossed(seed, PUSH, lambda rows: rows.force_counts * N_PER_FORCE_COUNT > GATE_N, _one_period, limits)
+
+
+def steep(seed: int) -> Trial:
+    """The rate of the force when the plate is struck at full speed; its window is the rule's own, so no time is bounded."""
+    return _by(seed, STRIKE, TripCause.FORCE_RATE)
+
+
+def lasting(seed: int) -> Trial:
+    """From the instant at which the force has stood above a tightened level for a tightened time.
+
+    The rule judges a smoothed force, which lags a ramp by its time constant.
+    """
+    tight = PUSH.supervisor._replace(contact_level_n=LEVEL_N, contact_time_s=LEVEL_S)
+    return crossed(
+        seed,
+        PUSH._replace(supervisor=tight),
+        _to_the_end_above,
+        lambda period_s: LEVEL_S + SMOOTHING_S + period_s,
+    )
+
+
+def _to_the_end_above(rows: Columns) -> Bools:
+    """Where the force is above the level and stays there until the trial ends."""
+    above = rows.force_counts * N_PER_FORCE_COUNT - bias_n(rows) > LEVEL_N
+    return np.cumprod(above[::-1])[::-1].astype(np.bool_)
+
+
+def working(seed: int) -> Trial:
+    """The energy that goes into the plate; the supervisor's own estimate is what it judges, so no time is bounded."""
+    return _by(seed, PUSH._replace(supervisor=PUSH.supervisor._replace(contact_energy_j=ENERGY_J)), TripCause.FORCE_ENERGY)
+
+
+def _by(seed: int, experiment: Experiment, cause: TripCause) -> Trial:
+    """Ended by the rule that is meant, and not by another."""
+    outcome = play_local(experiment, seed)
+    return Trial(outcome.supervisor.cause == cause, ended(outcome).words)
 
 
 def beyond_joint(seed: int) -> Trial:
