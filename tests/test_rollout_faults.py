@@ -166,7 +166,7 @@ MILD = (  # none of them ends the trial
     Fault("gain", "force", 0.04, 0.05, 1.2),
     Fault("noise", "force", 0.05, 0.0, 1.5),
     *(Fault("offset", target, 0.01, 0.05, 2.0) for target in ENCODERS),
-    *(Fault("noise", target, 0.02, 0.05, 2.0) for target in ENCODERS),
+    *(Fault("noise", target, 0.02, 0.03, 1.0) for target in ENCODERS),
     *(Fault("drift", target, 0.03, 0.05, -50.0) for target in ENCODERS),
 )
 ACTUATORS = of_group(tuple(MACHINE), "actuator")
