@@ -145,3 +145,11 @@ def test_work_taken_back_beyond_what_was_given_counts_for_nothing():
     watch, seen = played([100.0] * 3, REST._replace(way_m=-1.0))
     assert (watch.energy_j, seen.energy_j) == (0.0, 0.0)
     assert step(watch, 100.0, REST._replace(way_m=0.002))[1].energy_j == pytest.approx(0.2)
+
+
+def test_nothing_is_remembered_at_first():
+    assert ForceWatch() == ForceWatch(0, 0.0, 0.0, 0.0, 0, 0, 0.0)
+    watch, seen = step(ForceWatch(9, 9.0, 9.0, 9.0, 9, 9, 9.0), 400.0, REST._replace(follows=False, bias_n=0.0))
+    assert (seen.held_ns, seen.energy_j, watch.quiet_samples) == (DT_NS, 0.0, 0)
+    assert step(watch, 400.0, REST._replace(way_m=0.01))[1].energy_j == pytest.approx(4.0)
+    assert step(ForceWatch(0, 290.0, 290.0, 290.0, 0, 5, 0.0), 290.0)[1].held_ns == 0

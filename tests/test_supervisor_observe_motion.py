@@ -12,7 +12,16 @@ from services.plant.machine import link_step as machine_link_step
 from services.plant.params import UNIMATE
 from services.supervisor.machine import BRAKES, FULL_SPEED, MOVES_DOWN_A, MOVES_UP_A, MOVES_WITHIN_NS
 from services.supervisor.observe import Heard, Links, Watch, observe_step
-from services.supervisor.observe_motion import LinkWatch, against, link_step, smooth_speed
+from services.supervisor.observe_motion import (
+    LinkWatch,
+    MotionWatch,
+    Pose,
+    _driven,
+    against,
+    link_step,
+    motion_step,
+    smooth_speed,
+)
 from services.supervisor.rules import first_broken
 from shared.kernel import compiled
 from shared.messages import NO_TRIAL, TripCause
@@ -176,3 +185,49 @@ def test_plain_and_compiled_windows_agree_on_anything(rows):
         watch, plain = observe_step(watch, OBSERVING, seen, heard)
         machine, fast = observe_compiled(machine, OBSERVING, seen, heard)
         assert (repr(watch), repr(plain)) == (repr(machine), repr(fast))
+
+
+STILL = (0.0, 0.0, 0.0)
+
+
+def test_nothing_is_remembered_at_first():
+    nobody = LinkWatch(0, 0.0, 0)
+    assert (LinkWatch(), MotionWatch()) == (nobody, MotionWatch(STILL, 0.0, STILL, STILL, STILL, nobody, nobody, nobody))
+    begun = motion_step(MotionWatch(), CODES, Pose((1, 2, 3), (0.1, 0.2, 0.3), 0.4, (0.5, 0.6, 0.7)), CODES.high, False, T_NS)[0]
+    assert (begun.speed, begun.tip_m_per_s, begun.rotate.idle_ns) == (STILL, STILL, 0)
+
+
+def test_every_way_is_told_of_its_own_axis():
+    watch = MotionWatch((0.1, 0.2, 0.3), 0.4, (0.5, 0.6, 0.7))
+    pose = Pose((1, 2, 3), (0.11, 0.22, 0.33), 0.44, (0.52, 0.66, 0.73))
+    after, seen = motion_step(watch, CODES, pose, (2048, 2048, 2048), True, T_NS)
+    assert seen.moved_rad == pytest.approx((0.01, 0.02, 0.03, 0.04))
+    assert seen.counts == (1, 2, 3)
+    smoothed = [way / 0.0245 for way in (0.01, 0.02, 0.03)]
+    assert seen.speed == after.speed == pytest.approx(smoothed)
+    assert seen.tip_speed_m_per_s == pytest.approx(math.sqrt(0.02**2 + 0.06**2 + 0.03**2) / 0.0245)
+    assert after.tip_m_per_s == pytest.approx((0.02 / 0.0245, 0.06 / 0.0245, 0.03 / 0.0245))
+
+
+@pytest.mark.parametrize("link", range(3))
+def test_the_way_against_its_current_is_told_of_each_link(link):
+    step_by = [1, -1, 1][link]  # down/up counts downwards
+    driven = tuple(CODES.high[i] if i == link else 2048 for i in range(3))
+    watch, seen = play([LEVEL, at(link, LEVEL[link] - 2 * step_by)], driven)
+    others = [i for i in range(3) if i != link]
+    assert seen.motion.against[link] == pytest.approx(2.0 * LIMITS.count_rad[link])
+    assert [seen.motion.against[i] for i in others] == [0.0, 0.0]
+    assert seen.motion.idle_ns == tuple(T_NS if i == link else 0 for i in range(3))
+    assert (watch.motion.rotate, watch.motion.down_up, watch.motion.out_in)[link].sign == 1
+
+
+def test_a_current_into_a_stop_must_move_nothing_and_one_a_hair_off_it_must():
+    stops = (0.0, 1.0)
+    for q_rad, up, down in ((0.9, 0, -1), (math.nextafter(0.9, 0.0), 1, -1), (0.1, 1, 0), (math.nextafter(0.1, 1.0), 1, -1)):
+        assert _driven(3000, 1000, 3000, q_rad, stops, 0.1) == up
+        assert _driven(1000, 1000, 3000, q_rad, stops, 0.1) == down
+    assert _driven(2999, 1000, 3000, 0.5, stops, 0.1) == _driven(1001, 1000, 3000, 0.5, stops, 0.1) == 0
+
+
+def test_a_smooth_speed_decays_with_its_time():
+    assert smooth_speed(1.0, 0.0, 0.0045) == pytest.approx(0.02 / 0.0245)

@@ -200,6 +200,13 @@ def test_a_limit_that_is_no_number_holds_nothing(field, cause):
     assert first_broken(changed(FINE, **{field: NAN}), LIMITS)[0] == cause
 
 
+def test_an_encoder_at_its_end_is_told_with_its_own_end():
+    ends = LIMITS._replace(low_counts=(1, 2, 3), high_counts=(8000, 2000, 1000))
+    for link, (low, high) in enumerate(zip(ends.low_counts, ends.high_counts, strict=True)):
+        for end in (low, high):
+            assert first_broken(changed(FINE, **one_of("counts", link, end)), ends) == (TripCause.ENCODER_INVALID, end, end)
+
+
 def test_of_several_links_the_one_beyond_is_told():
     for field, cause, limit in (("against", TripCause.MOTION_AGAINST, BRAKES), ("speed", TripCause.JOINT_SPEED, SPEED)):
         seen = changed(FINE, **{field: (limit[0], above(limit[1]), 9.0)})

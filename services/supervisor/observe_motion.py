@@ -10,8 +10,6 @@ from shared.messages import LinkCounts
 from shared.pose import Triple
 
 SMOOTHING_S = 0.02
-Flags = tuple[int, int, int]
-_NO_TIME = (0, 0, 0)
 
 
 class LinkWatch(NamedTuple):
@@ -82,7 +80,7 @@ def _driven(code: int, low: int, high: int, q_rad: float, stops: tuple[float, fl
 @kernel
 def link_step(watch: LinkWatch, sign: int, q_rad: float, dt_ns: int) -> LinkWatch:
     """Time since the link last got further in the direction of its current; a count of chatter is no progress."""
-    if sign == 0 or sign != watch.sign or watch.furthest_rad != watch.furthest_rad or sign * (q_rad - watch.furthest_rad) > 0.0:
+    if sign == 0 or sign != watch.sign or sign * (q_rad - watch.furthest_rad) > 0.0:
         return LinkWatch(sign, q_rad, 0)
     return LinkWatch(sign, watch.furthest_rad, watch.idle_ns + dt_ns)
 
