@@ -7,7 +7,7 @@ import pytest
 
 from services.plant.noise import force_noise_n
 from services.supervisor.machine import COUNT_M, GAUGE_N_PER_M, GAUGE_NS_PER_M, LOOSE_M_PER_S, NOISE_N
-from services.supervisor.observe_force import SMOOTHING_S, ForceWatch, Push, force_step
+from services.supervisor.observe_force import SMOOTHING_S, ForceWatch, Push, force_begin, force_step
 from shared.converters import N_PER_FORCE_COUNT
 
 DT_NS = 4_500_000
@@ -54,6 +54,7 @@ def test_a_reading_that_stays_is_counted_and_one_that_changes_by_two_counts_is_n
     assert played([one, two, one], quiet_counts=0)[1].quiet_samples == 0
     assert played([one, one + 2.0 * N_PER_FORCE_COUNT])[1].quiet_samples == 0
     watch = played([one] * 5)[0]
+    assert step(watch, one, REST._replace(dt_ns=1))[1].quiet_samples == 5
     assert step(watch, one, REST._replace(dt_ns=0))[1].quiet_samples == 0  # an absence is no reading
 
 
@@ -149,6 +150,7 @@ def test_work_taken_back_beyond_what_was_given_counts_for_nothing():
 
 def test_nothing_is_remembered_at_first():
     assert ForceWatch() == ForceWatch(0, 0.0, 0.0, 0.0, 0, 0, 0.0)
+    assert force_begin(9, 12.5) == ForceWatch(9, 12.5, 12.5, 12.5, 0, 0, 0.0)
     watch, seen = step(ForceWatch(9, 9.0, 9.0, 9.0, 9, 9, 9.0), 400.0, REST._replace(follows=False, bias_n=0.0))
     assert (seen.held_ns, seen.energy_j, watch.quiet_samples) == (DT_NS, 0.0, 0)
     assert step(watch, 400.0, REST._replace(way_m=0.01))[1].energy_j == pytest.approx(4.0)

@@ -19,6 +19,7 @@ from services.supervisor.observe_motion import (
     _driven,
     against,
     link_step,
+    motion_begin,
     motion_step,
     smooth_speed,
 )
@@ -193,7 +194,10 @@ STILL = (0.0, 0.0, 0.0)
 def test_nothing_is_remembered_at_first():
     nobody = LinkWatch(0, 0.0, 0)
     assert (LinkWatch(), MotionWatch()) == (nobody, MotionWatch(STILL, 0.0, STILL, STILL, STILL, nobody, nobody, nobody))
-    begun = motion_step(MotionWatch(), CODES, Pose((1, 2, 3), (0.1, 0.2, 0.3), 0.4, (0.5, 0.6, 0.7)), CODES.high, False, T_NS)[0]
+    pose = Pose((1, 2, 3), (0.1, 0.2, 0.3), 0.4, (0.5, 0.6, 0.7))
+    first = MotionWatch(pose.q_rad, 0.4, pose.tip_m, STILL, STILL, nobody, nobody, nobody)
+    assert motion_begin(pose) == first
+    begun = motion_step(MotionWatch(), CODES, pose, CODES.high, False, T_NS)[0]
     assert (begun.speed, begun.tip_m_per_s, begun.rotate.idle_ns) == (STILL, STILL, 0)
 
 

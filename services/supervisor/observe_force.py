@@ -33,6 +33,12 @@ class Push(NamedTuple):
 
 
 @kernel
+def force_begin(counts: int, raw_n: float) -> ForceWatch:
+    """Every window at its first reading."""
+    return ForceWatch(counts, raw_n, raw_n, raw_n, 0, 0, 0.0)
+
+
+@kernel
 def force_step(
     watch: ForceWatch, push: Push, counts: int, raw_n: float, quiet_counts: int, level_n: float
 ) -> tuple[ForceWatch, GaugeSeen]:
@@ -45,15 +51,14 @@ def force_step(
     """
     dt_s = push.dt_ns * 1e-9
     if not push.follows:
-        watch = ForceWatch(counts, raw_n, raw_n, raw_n, 0, 0, 0.0)
+        watch = force_begin(counts, raw_n)
     smooth_n = watch.smooth_n + (raw_n - watch.smooth_n) * dt_s / (SMOOTHING_S + dt_s)
     tared_n = smooth_n - push.bias_n
     quiet = push.follows and push.dt_ns > 0 and abs(counts - watch.counts) <= quiet_counts
     quiet_samples = watch.quiet_samples + 1 if quiet else 0
     held_ns = watch.held_ns + push.dt_ns if tared_n > level_n else 0
     energy_j = _energy(watch.energy_j, tared_n, push.way_m)
-    way_in_m = push.way_m if push.way_m > 0.0 else 0.0
-    explained_n = watch.explained_n + GAUGE_N_PER_M * way_in_m
+    explained_n = watch.explained_n + GAUGE_N_PER_M * max(0.0, push.way_m)  # a NaN is no way
     speed = abs(push.speed_m_per_s)
     seen = GaugeSeen(
         counts,
@@ -72,14 +77,11 @@ def force_step(
         energy_j,
     )
     at_most_n = raw_n + GAUGE_NS_PER_M * speed  # a crate that slides ahead takes that much off the reading
-    if not explained_n < at_most_n:
-        explained_n = at_most_n
-    return ForceWatch(counts, raw_n, smooth_n, explained_n, quiet_samples, held_ns, energy_j), seen
+    return ForceWatch(counts, raw_n, smooth_n, min(at_most_n, explained_n), quiet_samples, held_ns, energy_j), seen
 
 
 @kernel
 def _energy(energy_j: float, tared_n: float, way_m: float) -> float:
     if tared_n <= NOISE_N or energy_j != energy_j:
         return 0.0
-    grown_j = energy_j + tared_n * way_m
-    return 0.0 if grown_j < 0.0 else grown_j
+    return max(energy_j + tared_n * way_m, 0.0)  # a NaN stays one

@@ -100,13 +100,19 @@ def _link(watch: LinkWatch, codes: Codes, dac_counts: LinkCounts, pose: Pose, li
 
 
 @kernel
+def motion_begin(pose: Pose) -> MotionWatch:
+    """Every window at its first pose."""
+    none, still = LinkWatch(0, 0.0, 0), (0.0, 0.0, 0.0)
+    return MotionWatch(pose.q_rad, pose.pitch_rad, pose.tip_m, still, still, none, none, none)
+
+
+@kernel
 def motion_step(
     watch: MotionWatch, codes: Codes, pose: Pose, dac_counts: LinkCounts, follows: bool, dt_ns: int
 ) -> tuple[MotionWatch, MotionSeen]:
     """One set of counters taken in; without a sample before, nothing has moved yet."""
     if not follows:
-        none, still = LinkWatch(0, 0.0, 0), (0.0, 0.0, 0.0)
-        watch = MotionWatch(pose.q_rad, pose.pitch_rad, pose.tip_m, still, still, none, none, none)
+        watch = motion_begin(pose)
     dt_s = dt_ns * 1e-9
     q, before = pose.q_rad, watch.q_rad
     speed = _speeds(watch.speed, q, before, dt_s)
