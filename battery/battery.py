@@ -43,10 +43,14 @@ class Battery:
             elif isinstance(way, Played):
                 self._repeat(row, place, way, partial(self._alone, way))
         for letter, rig in self.rigs.items():
+            mine = [(row, place, way) for row, place, way in ways if isinstance(way, Lived) and way.letter == letter]
             with rig:
-                for row, place, way in ways:
-                    if isinstance(way, Lived) and way.letter == letter:
+                for row, place, way in mine:
+                    if way.whole:
                         self._live(row, place, way, rig)
+            for row, place, way in mine:  # those bring up cells of their own
+                if not way.whole:
+                    self._live(row, place, way, rig)
         self._prove([(row, place, way) for row, place, way in ways if isinstance(way, Proved)])
 
     def results(self) -> tuple[Result, ...]:
@@ -76,7 +80,8 @@ class Battery:
             trial = way.trial(rig, dice, number)
         except CellError as error:  # a cell that does not do what it should has not survived
             trial = Trial(False, str(error))
-            rig.renew()
+            if way.whole:
+                rig.renew()
         if way.whole:
             rig.thaw()
             rig.revive()

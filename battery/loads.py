@@ -10,7 +10,7 @@ import tempfile
 import threading
 import time
 from collections.abc import Callable, Iterator, Sequence
-from contextlib import contextmanager, nullcontext, suppress
+from contextlib import AbstractContextManager, contextmanager, nullcontext, suppress
 from pathlib import Path
 from random import Random
 from statistics import median
@@ -27,7 +27,9 @@ from shared.messages import NO_TRIAL, Command, GateState
 
 QUIET_S, LOADED_S = 1.2, 1.2
 TURN_S = 0.25  # of load and of none, in turn
-ALLOWED = 1.1  # ratio of medians, beyond what two quiet stretches of the same trial already differ by
+PARTS, FEWEST = 5, 20  # stretches of the quiet samples, and samples that make a median
+START_S = 20.0  # of a recorder: it loads a large library
+ALLOWED = 1.1  # ratio of medians, beyond what quiet stretches of the same trial already differ by
 REQUESTS_PER_S, FRAMES_PER_S = 100, 10_000
 FULL_SWING = Command((3276, 3276, 3276))
 
@@ -39,11 +41,11 @@ def ways_ms(samples: Sequence[Received]) -> list[float]:
 
 def same_timing(quiet: Sequence[float], loaded: Sequence[float]) -> tuple[bool, str]:
     """Whether the median way is the same within what it differs by without any load, and both in words."""
-    if len(quiet) < 4 or len(loaded) < 4:
+    if len(quiet) < PARTS * FEWEST or len(loaded) < FEWEST:
         return False, "the gate was not open long enough to compare"
-    first, second = median(quiet[0::2]), median(quiet[1::2])
-    halves = median(quiet[: len(quiet) // 2]), median(quiet[len(quiet) // 2 :])
-    noise = max(first / second, second / first, halves[0] / halves[1], halves[1] / halves[0])
+    size = len(quiet) // PARTS
+    parts = [median(quiet[i * size : (i + 1) * size]) for i in range(PARTS)]
+    noise = max(parts) / min(parts)
     ratio = median(loaded) / median(quiet)
     words = (
         f"sample to accepted, median and worst: {median(quiet):.2f} and {max(quiet):.1f} ms without, {median(loaded):.2f} and "
@@ -72,9 +74,12 @@ def recorder_struck(rig: Rig, dice: Random, number: int, how: str) -> Trial:
 
 
 def _without_recorder(rig: Rig, dice: Random, number: int, how: str, path: Path) -> Trial:
-    rig.await_(lambda: bool(rig.status("recorder")), "the recorder")
+    rig.calm()
+    rig.await_(lambda: bool(rig.status("recorder")), "the recorder", START_S)
     rig.ask("recorder", "record", path=str(path), title="faults", summary_markdown="")
     rig.moving(motion(number), dice)
+    if how == "frozen":
+        return _compared(rig, lambda: _struck(rig, how, path))
     began_ns = time.monotonic_ns()
     rig.observer.listen_for(QUIET_S)
     blow_ns = time.monotonic_ns()
@@ -116,18 +121,18 @@ def _full(pid: int, size: int) -> Iterator[None]:
 
 def requests(rig: Rig, dice: Random, number: int) -> Trial:
     """100 status requests a second, to each service of the loop in turn."""
-    return _in_turns(rig, dice, number, lambda: _asking(rig))
-
-
-def _in_turns(rig: Rig, dice: Random, number: int, load: Callable[[], object]) -> Trial:
-    """Load and quiet in turn, so that what else the host does falls on both."""
     rig.moving(motion(number), dice)
+    return _compared(rig, lambda: _background(lambda: _asking(rig)))
+
+
+def _compared(rig: Rig, load: Callable[[], AbstractContextManager[None]]) -> Trial:
+    """Load and quiet in turn, so that what else the host does falls on both."""
     heard = rig.observer.heard
     quiet: list[Received] = []
     loaded: list[Received] = []
     for turn in range(round((QUIET_S + LOADED_S) / TURN_S)):
         from_ns = time.monotonic_ns()
-        with _background(load) if turn % 2 else nullcontext():
+        with load() if turn % 2 else nullcontext():
             heard = rig.observer.listen_for(TURN_S)
         (loaded if turn % 2 else quiet).extend(since(heard.samples, from_ns))
     return unharmed(heard, quiet, loaded)

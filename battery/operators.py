@@ -9,7 +9,7 @@ from random import Random
 from battery.observer import Heard, safe, since
 from battery.processes import WATCHED_S, confirmed, judged, period_s
 from battery.rig import Rig
-from battery.swings import PRESS, motion
+from battery.swings import PRESS, SWING, motion
 from battery.trial import Trial
 from services.operator import cell as cells
 from services.operator.session import load, sealed
@@ -72,6 +72,7 @@ def stopped_while_tripped(rig: Rig, dice: Random, number: int) -> Trial:
 def recovered(rig: Rig, dice: Random, number: int) -> Trial:
     """Over-force on the plate, RECOVER held, released, reset: only the unloading sign at low current, zero on release."""
     experiment = PRESS._replace(supervisor=PRESS.supervisor._replace(force_limit_n=TRIP_N))
+    rig.moving(SWING, dice)  # a trial begins at its own pose: whatever pressed on the tool before is gone
     rig.started(experiment, dice.randrange(1 << 32))
     rig.await_(lambda: rig.status("supervisor").get("mode") == Mode.TRIPPED.name, "the over-force trip")
     before = rig.observer.listen().truths[-1].body.contact_force_n
