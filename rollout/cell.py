@@ -180,7 +180,7 @@ def play(
         sample = sample_of(setup, gate, counts, i, time_ns, trial_time_ns)
         seen = truth(state, setup.machine, setup.contact, i, sample.tick)
         memory, codes, thought = control_step(memory, setup.control, table, sample)
-        watch, permit = supervisor_step(watch, setup.supervise, sample, Asked(NOTHING, 0, True, ready, 0, Links(0, 0, 0)))
+        watch, permit = supervisor_step(watch, setup.supervise, sample, Asked(NOTHING, 0, True, ready, 0, Links(0, 0, 0, 1)))
         ready = thought.ready == 1
         write_row(out, i, sample, codes, thought, permit, seen)
         state = advance(state, machine, setup.contact, at_valves, setup.latch_substeps)

@@ -141,6 +141,11 @@ TRIPS: dict[TripCause, Cause] = {
         "the controller's commands advance with the samples",
         "see whether the controller lives (`hydrohil status`); then `hydrohil reset`",
     ),
+    TripCause.CONTROLLER_SILENT: Cause(
+        "the controller's newest state answered a sample {measured:.0f} samples back against at most {limit:.0f}",
+        "the controller's states reach the supervisor and advance with the samples",
+        "see the link from controller to supervisor (`hydrohil status`); then `hydrohil reset`",
+    ),
     TripCause.LINK_FAULTS: Cause(
         "{measured:.0f} frames of the plant or the controller came corrupt, again or late in a second, against {limit:.0f}",
         "at most one frame a second of a bound sender is corrupt, repeated or out of order",

@@ -93,9 +93,10 @@ class TripCause(IntEnum):
     TWO_PUBLISHERS = 24
     OTHER_RUN = 25
     COMMAND_STALE = 26
-    QUALITY = 27
-    GATE_CUT = 28
-    NOT_READY = 29
+    CONTROLLER_SILENT = 27
+    QUALITY = 28
+    GATE_CUT = 29
+    NOT_READY = 30
 
 
 class Channel(NamedTuple):

@@ -49,7 +49,9 @@ FINE = Observed(
         idle_ns=(0, 0, 0),
         against=(0.0, 0.0, 0.0),
     ),
-    TransportSeen(lost_samples=0, stale_ns=0, command_lag=1, gate=1, ready=True, link_faults=0, rivals=0, other_run=0, missed=0),
+    TransportSeen(
+        lost_samples=0, stale_ns=0, command_lag=1, gate=1, ready=True, link_faults=0, rivals=0, other_run=0, state_lag=1, missed=0
+    ),
 )
 
 
@@ -69,7 +71,7 @@ def sample(number, tick=NO_TRIAL, **changes):
 
 
 def asked(event=NOTHING, **changes):
-    return Asked(int(event), 4711, True, True, 0, Links(0, 0, 0))._replace(**changes)
+    return Asked(int(event), 4711, True, True, 0, Links(0, 0, 0, 1))._replace(**changes)
 
 
 def step(memory, seen, wanted=None, params=PARAMS):
@@ -79,7 +81,7 @@ def step(memory, seen, wanted=None, params=PARAMS):
 def watched(number, encoder_counts=LEVEL, **changes):
     """What is remembered after sample `number`, the first that came."""
     seen = sample(number, encoder_counts=encoder_counts)
-    return observe_step(Watch(), PARAMS.observing, seen, Heard(False, 0, True, Links(0, 0, 0)))[0]._replace(**changes)
+    return observe_step(Watch(), PARAMS.observing, seen, Heard(False, 0, True, Links(0, 0, 0, 1)))[0]._replace(**changes)
 
 
 def running(tick=5, number=50, **changes):

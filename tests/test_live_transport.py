@@ -129,6 +129,14 @@ def test_a_partition_from_the_supervisor_is_safe_after_the_lease_and_nothing_res
     assert told.status["supervisor"]["mode"] == "TRIPPED"
 
 
+@pytest.mark.parametrize("cut", ["controller>supervisor", "controller-supervisor"])
+def test_a_controller_that_the_supervisor_does_not_hear_trips_though_its_commands_arrive(bus: Bus, cut: str):
+    told = trial(bus, Fault("partition", cut, 0.2, 0.2))
+    last_heard, bearable = TICK - 1, int(LEASE_MS / PERIOD_MS) + 2
+    assert told.cuts == [(last_heard + bearable + 1, GateCause.NOT_RUNNING)] and not told.open_after
+    assert told.status["supervisor"]["cause"] == "CONTROLLER_SILENT"
+
+
 @pytest.mark.parametrize("path", ["controller>plant", "supervisor>plant"])
 def test_a_duplicate_is_counted_and_changes_no_number(bus: Bus, undisturbed: Trace, path: str):
     told = trial(bus, Fault("duplicate", path, 0.2, 0.0045, 1.0))

@@ -12,7 +12,7 @@ from services.supervisor.step import SupervisorMemory, supervisor_step
 from shared.messages import NO_COMMAND, NO_TRIAL, GateCause, GateState, Mode, TripCause
 
 PERMITTED = (Mode.ARMED, Mode.RUNNING, Mode.RECOVER)
-QUIET = Links(0, 0, 0)
+QUIET = Links(0, 0, 0, 1)
 BENT = (LEVEL[0], 20, *LEVEL[2:])  # link 2 past its limit
 WRONG = st.sampled_from(
     [

@@ -9,7 +9,7 @@ from services.supervisor.observe import Bias, Heard, Links, Watch, bias_anew, ob
 from shared.messages import NO_TRIAL
 
 OBSERVING = PARAMS.observing
-NO_LINKS = Links(0, 0, 0)
+NO_LINKS = Links(0, 0, 0, 1)
 RUNNING = Heard(True, 0, True, NO_LINKS)
 
 
@@ -95,7 +95,7 @@ def test_absence_leaves_the_answers_alone_and_a_lost_sample_counts_as_not_answer
 
 
 def test_frames_of_another_run_matter_to_a_trial_that_runs():
-    heard = RUNNING._replace(links=Links(1, 2, 3))
+    heard = RUNNING._replace(links=Links(1, 2, 3, 4))
     seen = observe(Watch(49), sample(50, -3), heard)[1].transport
-    assert (seen.link_faults, seen.rivals, seen.other_run) == (1, 2, 3)
+    assert (seen.link_faults, seen.rivals, seen.other_run, seen.state_lag) == (1, 2, 3, 4)
     assert observe(Watch(49), sample(50, -3), heard._replace(running=False))[1].transport.other_run == 0

@@ -28,7 +28,7 @@ from shared.kernel import compiled
 from shared.messages import NO_TRIAL, TripCause
 
 OBSERVING, CODES = PARAMS.observing, PARAMS.observing.codes
-RUNNING = Heard(True, 0, True, Links(0, 0, 0))
+RUNNING = Heard(True, 0, True, Links(0, 0, 0, 1))
 FIRST = 100
 T_NS = ABOUT.sample_period_ns
 observe_compiled = compiled(observe_step)

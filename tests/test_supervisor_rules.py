@@ -69,6 +69,9 @@ AT_LIMIT = [
     {"command_lag": 5},
     {"command_lag": 0},
     {"command_lag": 99, "tick": 0},
+    {"state_lag": 6},
+    {"state_lag": 0},
+    {"state_lag": 99, "tick": 0},
     {"link_faults": 1},
     {"rivals": 0},
     {"rivals": 1, "moving": False},
@@ -137,6 +140,9 @@ PAST = [  # what is seen, the cause, the number that broke, the limit it broke
     ({"command_lag": 6}, TripCause.COMMAND_STALE, 6.0, 5.0),
     ({"command_lag": 6, "tick": 1}, TripCause.COMMAND_STALE, 6.0, 5.0),
     ({"command_lag": -1}, TripCause.COMMAND_STALE, -1.0, 0.0),
+    ({"state_lag": 7}, TripCause.CONTROLLER_SILENT, 7.0, 6.0),
+    ({"state_lag": 7, "tick": 1}, TripCause.CONTROLLER_SILENT, 7.0, 6.0),
+    ({"state_lag": -1}, TripCause.CONTROLLER_SILENT, -1.0, 0.0),
     ({"missed": 22}, TripCause.QUALITY, 0.78, 0.79),
     ({"gate": int(GateState.BURNED)}, TripCause.GATE_CUT, float(GateState.BURNED), float(GateState.OPEN)),
     ({"ready": False}, TripCause.NOT_READY, 0.0, 1.0),
@@ -147,6 +153,7 @@ ONLY_WHILE_MOVING = (
     TripCause.FORCE_BELOW_BIAS,
     TripCause.SAMPLE_LOST,
     TripCause.COMMAND_STALE,
+    TripCause.CONTROLLER_SILENT,
     TripCause.GATE_CUT,
 )
 ONLY_AT_THE_START = (TripCause.BIAS, TripCause.NOT_READY)

@@ -195,4 +195,4 @@ def _at_rest() -> tuple[Observed, Limits]:
     params = supervisor_params(SupervisorConfig(), described, 0, 0)
     counts = tuple(round((0.0 - c.offset) / c.scale) for c in described.encoders)
     sample = Sample(1, 0, NO_TRIAL, 0, counts, 10, ZERO, 0, 0, 0, (0, 0, 0), 0, 0, 0)
-    return observe_step(Watch(), params.observing, sample, Heard(False, 0, True, Links(0, 0, 0)))[1], params.limits
+    return observe_step(Watch(), params.observing, sample, Heard(False, 0, True, Links(0, 0, 0, 1)))[1], params.limits

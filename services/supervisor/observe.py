@@ -55,6 +55,7 @@ class Links(NamedTuple):
     faults: int
     rivals: int
     other_run: int
+    state_lag: int  # samples since the one that the controller's newest state answers
 
 
 class Heard(NamedTuple):
@@ -106,6 +107,7 @@ def observe_step(watch: Watch, observing: Observing, sample: Sample, heard: Hear
             heard.links.faults,
             heard.links.rivals,
             heard.links.other_run if heard.running else 0,
+            heard.links.state_lag,
             answers.missed,
         ),
     )

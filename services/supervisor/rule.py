@@ -52,6 +52,7 @@ class TransportSeen(NamedTuple):
     link_faults: int  # CRC and sequence faults of the last second under a bound identity, of the worst link
     rivals: int  # frames of the last second by which a bound sender has another epoch, of the worst link
     other_run: int  # frames since the last verdict that belong to another run or experiment than a running permit
+    state_lag: int  # samples since the one that the controller's newest state answers
     missed: int  # of the last 100 samples, those that were not answered in time
 
 

@@ -18,7 +18,7 @@ from shared.codec import Received
 from shared.detour import Passage, conditions_of
 from shared.envelope import Envelope, section, unseal
 from shared.live_faults import LiveFaults
-from shared.messages import About, Mode, Passed, Permit, TripCause
+from shared.messages import NO_COMMAND, About, Mode, Passed, Permit, TripCause
 from shared.process import draw_number, options_of, parser, serve
 from shared.protection import worst
 from shared.realtime import follow
@@ -163,12 +163,13 @@ class Supervisor:
             self._reply(Event.RESET, request, message)
 
     def _links(self, message: Received) -> Links:
-        """What the inboxes have shown, by wall time or, in lockstep, by the sample's; and frames of another run since then."""
+        """What the inboxes have shown, by wall time or, in lockstep, by the sample's; frames of another run since then."""
         now_ns = message.body.time_ns if self._lockstep else time.monotonic_ns()
         seen = worst(*(inbox.protection.look(now_ns) for inbox in self._inboxes))
         others = sum(inbox.acceptance.other_run for inbox in self._inboxes)
         before, self._others = self._others, others
-        return Links(seen.faults, seen.rivals, others - before)
+        answered = NO_COMMAND if self.controller is None else self.controller.header.echo_number
+        return Links(seen.faults, seen.rivals, others - before, message.body.number - answered)
 
     @property
     def _lockstep(self) -> bool:

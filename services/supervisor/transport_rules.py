@@ -23,6 +23,11 @@ def commands_fresh(seen: Observed, limits: Limits) -> bool:
 
 
 @kernel
+def controller_heard(seen: Observed, limits: Limits) -> bool:
+    return not (seen.moving and seen.tick > 0) or 0 <= seen.transport.state_lag <= limits.lease_samples + 2
+
+
+@kernel
 def gate_holds(seen: Observed, limits: Limits) -> bool:
     return not seen.moving or seen.transport.gate != _BURNED
 
@@ -53,6 +58,13 @@ TRANSPORT_RULES = (
         lambda seen, _: float(seen.transport.command_lag),
         lambda seen, limits: float(limits.lease_samples + 1 if seen.transport.command_lag >= 0 else 0),
         "the controller's commands have stopped or stand still (samples)",
+    ),
+    Rule(  # one sample more than a command: a state may come after the sample that its command was waited for by
+        controller_heard,
+        TripCause.CONTROLLER_SILENT,
+        lambda seen, _: float(seen.transport.state_lag),
+        lambda seen, limits: float(limits.lease_samples + 2 if seen.transport.state_lag >= 0 else 0),
+        "the controller's states have stopped or stand still (samples)",
     ),
     Rule(
         gate_holds,
