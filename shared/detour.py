@@ -110,6 +110,8 @@ class Conditions:
         """Whether anything acts on a topic's way to this service; word of what a fault took always comes through."""
         if topic.message is Passed:
             return False
+        if topic.key == SAMPLE:  # it tells the tick, by which the faults of every topic act
+            return any(path.endswith(f">{self.service}") for path in (*self._in_trial, *self._injected))
         return any(leg.faults for by_hand in (False, True) for leg in self._route(topic, by_hand=by_hand).legs)
 
     def fate(self, topic: Topic, number: int, *, answers: bool) -> Fate:

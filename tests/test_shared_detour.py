@@ -184,3 +184,12 @@ def test_what_is_injected_by_hand_begins_with_the_next_sample_in_a_trial_or_outs
         scene.put(tick)
     assert scene.ticks() == [4, 7, 8]
     assert scene.conditions.lasting() == ()
+
+
+def test_a_fault_on_any_way_to_a_service_makes_it_look_at_the_samples_which_tell_the_tick():
+    samples = Scene("plant/sample", "supervisor", Fault("partition", "controller>supervisor"))
+    samples.conditions.see(0, NO_TRIAL)
+    samples.put(5)
+    assert samples.ticks() == [5]
+    assert samples.conditions.tick == 5
+    assert Scene("plant/sample", "supervisor", Fault("partition", "controller>plant")).inbox.detour is None
