@@ -116,7 +116,7 @@ WIRE = (
         "discarded and counted, never stops a cell; a second sender under a bound identity: safe",
         "0 / T",
         (
-            Lived("10,000 foreign commands a second", strangers),
+            Lived("foreign commands, as many as one process can send, up to 10,000 a second", strangers),
             Proved(
                 "no bytes raise, strangers stop nobody, two senders shut the gate",
                 (

@@ -6,6 +6,7 @@ Every time that is measured here includes the message's way to the observer.
 import math
 import time
 from collections.abc import Sequence
+from statistics import median
 from typing import NamedTuple
 
 from shared.bus import Bus, Inbox
@@ -15,6 +16,7 @@ from shared.messages import NO_TRIAL, GateState
 from shared.units import NS_PER_S
 
 RING = 8192
+STEADY = 20  # samples that tell an offset
 ZERO = (ZERO_CODE, ZERO_CODE, ZERO_CODE)
 _MOVING = (GateState.OPEN, GateState.RECOVERING)
 
@@ -83,14 +85,15 @@ def unsafe_after(heard: Heard, instant_ns: int) -> int:
 
 
 def stalled_s(heard: Heard, blow_ns: int) -> float:
-    """How much longer than by simulated time it took from the last sample before the blow to the first safe one."""
-    before = [sample for sample in heard.samples if sample.arrival_ns < blow_ns]
-    after = next((sample for sample in since(heard.samples, blow_ns) if safe(sample)), None)
-    if not before or after is None:
-        return 0.0
-    wall_ns = after.arrival_ns - before[-1].arrival_ns
-    simulated_ns: int = after.body.time_ns - before[-1].body.time_ns
-    return max(0, wall_ns - simulated_ns) / NS_PER_S
+    """By how much the plant's grid has shifted against the wall clock since the blow: it stood still, and so did its machine.
+
+    A shift stays; a single message that comes late is none. So: the usual offset before, the smallest one after.
+    """
+    before = [m.arrival_ns - m.body.time_ns for m in heard.samples if m.arrival_ns < blow_ns][-STEADY:]
+    later = since(heard.samples, blow_ns)
+    first = next((number for number, sample in enumerate(later) if safe(sample)), len(later))
+    after = [m.arrival_ns - m.body.time_ns for m in later[first : first + STEADY]]
+    return max(0.0, min(after) - median(before)) / NS_PER_S if before and after else 0.0
 
 
 def moved(heard: Heard, blow_ns: int) -> tuple[float, float]:
