@@ -13,7 +13,7 @@ from services.operator.cell import CellError
 from services.plant.config import latch_substeps
 from shared.codec import Received
 from shared.faults import Fault
-from shared.messages import Mode, TripCause
+from shared.messages import GateCause, Mode, TripCause
 from shared.units import NS_PER_S, SUBSTEP_NS, SUBSTEP_S
 
 AT_S = (0.4, 0.8)  # the fault begins somewhere between
@@ -45,7 +45,8 @@ def played(rig: Rig, dice: Random, faults: Faults, after_s: float = AFTER_S) -> 
     heard = rig.observer.listen_for(QUIET_S)
     first = next((i for i, m in enumerate(heard.samples) if _has(m, at_s)), None)
     if first is None:
-        raise CellError(f"the trial ended before its fault: {rig.words()}")
+        causes = ", ".join(GateCause(m.body.cause).name for m in heard.gates)
+        raise CellError(f"the trial ended before its fault: {rig.words()}; the gate's decisions: {causes}")
     return heard, first
 
 
@@ -143,3 +144,8 @@ def _has(sample: Received, at_s: float) -> bool:
 def lease_and_period(lease_s: float) -> float:
     """Lease + T."""
     return lease_s + T_S
+
+
+def unheard(lease_s: float) -> float:
+    """Of the supervisor, which judges sample n by the controller's message on n - 1 and in whole samples: lease + 3 T."""
+    return lease_s + 3.0 * T_S

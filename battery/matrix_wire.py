@@ -3,7 +3,7 @@
 from functools import partial
 
 from battery.loads import hogged, strangers
-from battery.lockstep import T_S, borne, burst, delayed, lease_and_period, live, lossy, on, stopped
+from battery.lockstep import T_S, borne, burst, delayed, lease_and_period, live, lossy, on, stopped, unheard
 from battery.processes import frozen
 from battery.trial import Lived, Proved, Row, Untried
 from shared.faults import CUTS, PATHS
@@ -11,20 +11,12 @@ from shared.faults import CUTS, PATHS
 STEPPED = "lockstep: "
 LEASE_T = "lease + T"
 UNTIL_100_S = 100 * T_S
-HARMLESS = ("controller>supervisor", "controller-supervisor")
-STOPPING = tuple(target for target in (*PATHS, *CUTS) if target not in HARMLESS)
+UNHEARD = ("controller>supervisor", "controller-supervisor")  # permit and command still come: only the supervisor acts
 
 
 def _partition(target: str) -> Lived:
-    return Lived(
-        f"{STEPPED}{target}", partial(stopped, faults=on("partition", target), bound=lease_and_period), letter="L", most=2
-    )
-
-
-def _harmless(target: str) -> Lived:
-    """The supervisor knows the controller by what the plant's samples say of its commands: the trial may run on."""
-    words = f"{STEPPED}{target}: runs on, permit and command still come"
-    return Lived(words, partial(borne, faults=on("partition", target)), letter="L", most=2)
+    bound = unheard if target in UNHEARD else lease_and_period
+    return Lived(f"{STEPPED}{target}", partial(stopped, faults=on("partition", target), bound=bound), letter="L", most=2)
 
 
 def _live(target: str) -> Lived:
@@ -41,10 +33,9 @@ WIRE = (
         "8",
         "partition, one way and both",
         "safe without command or permit; nothing resumes",
-        LEASE_T,
+        "lease + T; lease + 3 T where only the supervisor misses the controller",
         (
-            *map(_partition, STOPPING),
-            *map(_harmless, HARMLESS),
+            *map(_partition, (*PATHS, *CUTS)),
             *map(_live, ("controller>plant", "supervisor>plant", "plant-controller")),
             Untried("network namespaces: all peers of a cell are on 127.0.0.1"),
         ),
