@@ -201,7 +201,7 @@ def test_nothing_is_remembered_at_first():
     assert (begun.speed, begun.tip_m_per_s, begun.rotate.idle_ns) == (STILL, STILL, 0)
 
 
-def test_every_way_is_told_of_its_own_axis():
+def test_every_axis_is_told_its_way():
     watch = MotionWatch((0.1, 0.2, 0.3), 0.4, (0.5, 0.6, 0.7))
     pose = Pose((1, 2, 3), (0.11, 0.22, 0.33), 0.44, (0.52, 0.66, 0.73))
     after, seen = motion_step(watch, CODES, pose, (2048, 2048, 2048), True, T_NS)
