@@ -93,8 +93,7 @@ def decode(key: str, topic: Topic, cell: str, frame: bytes, arrival_ns: int) -> 
     if isinstance(fields, Exception):
         return reject("malformed", type(fields).__name__)
     if type(fields) is not tuple or not fields or fields[0] != WIRE_VERSION or type(fields[0]) is not int:
-        found = fields[0] if type(fields) is tuple and fields else type(fields).__name__
-        return reject("version", f"wire version {str(found)[:MAX_NAME]}, this is {WIRE_VERSION}")
+        return reject("version", f"wire version {_named(fields)}, this is {WIRE_VERSION}")
     if header is None:
         return reject("malformed", "header")
     if header.schema != topic.schema:
@@ -115,6 +114,12 @@ def _unpacked(packed: bytes) -> Any:
         return msgpack.unpackb(packed, use_list=False, max_ext_len=0, max_map_len=0)
     except (ValueError, TypeError, OverflowError, RecursionError) as error:
         return error
+
+
+def _named(fields: Any) -> str:
+    """What stands in the version's place; a tuple by its type alone, for its own text could be nested too deep to be written."""
+    found = fields[0] if type(fields) is tuple and fields else fields
+    return str(found)[:MAX_NAME] if isinstance(found, int | float | str | bytes) else type(found).__name__
 
 
 def _fits(values: tuple[int, ...]) -> bool:

@@ -84,6 +84,13 @@ def test_every_truncated_frame_is_rejected():
     assert read(FRAME + b"\0").cause == "crc"
 
 
+def test_a_version_nested_too_deep_to_be_written_is_rejected_and_not_raised():
+    packed = b"\x9c" + b"\x91" * 1020 + b"\x90" + b"\x00" * 11
+    key = expression(CELL, COMMAND.key)
+    found = read(packed + crc(key, packed), key=key)
+    assert (found.cause, found.detail) == ("version", "wire version tuple, this is 1")
+
+
 def test_a_frame_replayed_on_another_key_is_corrupt():
     assert read(FRAME, key=expression("other", COMMAND.key)).cause == "crc"
     assert decode(expression(CELL, "plant/sample"), BY_KEY["plant/sample"], CELL, FRAME, 0).cause == "crc"
