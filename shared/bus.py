@@ -5,6 +5,7 @@ Every session tries for ever, so the order of starting does not matter. Liveline
 """
 
 import errno
+import hashlib
 import json
 import socket
 import threading
@@ -28,7 +29,8 @@ RING = 64  # frames kept for one step; a ring of one would let a foreign frame p
 DEFAULT_PORT = 7450
 HOST = "127.0.0.1"
 _PRIORITIES = ("control", "real_time", "interactive_high", "interactive_low", "data_high", "data", "data_low", "background")
-_REQUESTS_REMEMBERED = 1024  # frames; each names its sender's start and number, so that none comes twice by itself
+_REQUESTS_REMEMBERED = 1024  # digests of frames; each names its sender's start and number, so that none comes twice by itself
+_REPEATABLE = ("estop", "status")  # a stop is never refused; a question changes nothing, and must not push out what does
 _QUEUED_BATCHES = 16  # two, the default, lose messages when the processor is contended
 
 
@@ -267,10 +269,12 @@ class Bus:
             if not isinstance(arguments, dict):
                 answer(False, "malformed request: the arguments are no JSON object", {})
                 continue
-            if asked.body.verb != "estop" and payload in self._asked_before:  # a stop is never refused
-                answer(False, "this request came before, byte for byte: a replay has no effect", {})
-                continue
-            self._asked_before.append(payload)
+            if asked.body.verb not in _REPEATABLE:
+                digest = hashlib.sha256(payload).digest()
+                if digest in self._asked_before:
+                    answer(False, "this request came before, byte for byte: a replay has no effect", {})
+                    continue
+                self._asked_before.append(digest)
             made.append(Request(asked.body.verb, arguments, answer))
         return made
 

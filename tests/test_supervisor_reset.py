@@ -159,6 +159,15 @@ def test_a_replayed_request_is_refused_before_anyone_serves_it(verb):
     assert seen(bus, Query(verb, 2)) == [verb]
 
 
-def test_an_emergency_stop_is_never_refused():
+def test_hours_of_questions_do_not_let_an_old_request_act_again():
     bus = Bus("supervisor", CELL, 7550, 1)
-    assert seen(bus, Query("estop", 1), Query("estop", 1)) == ["estop", "estop"]
+    assert seen(bus, Query("start", 1)) == ["start"]
+    for seq in range(2, 2000):
+        assert seen(bus, Query("status", seq)) == ["status"]
+    assert seen(bus, Query("start", 1)) == []
+
+
+@pytest.mark.parametrize("verb", ["estop", "status"])
+def test_a_stop_and_a_question_are_never_refused(verb):
+    bus = Bus("supervisor", CELL, 7550, 1)
+    assert seen(bus, Query(verb, 1), Query(verb, 1)) == [verb, verb]
