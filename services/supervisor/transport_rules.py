@@ -24,7 +24,7 @@ def commands_fresh(seen: Observed, limits: Limits) -> bool:
 
 @kernel
 def controller_heard(seen: Observed, limits: Limits) -> bool:
-    return not (seen.moving and seen.tick > 0) or 0 <= seen.transport.state_lag <= limits.lease_samples + 2
+    return not (seen.moving and seen.tick > 0) or -limits.lease_samples <= seen.transport.state_lag <= limits.lease_samples + 2
 
 
 @kernel
@@ -59,11 +59,13 @@ TRANSPORT_RULES = (
         lambda seen, limits: float(limits.lease_samples + 1 if seen.transport.command_lag >= 0 else 0),
         "the controller's commands have stopped or stand still (samples)",
     ),
-    Rule(  # one sample more than a command: a state may come after the sample that its command was waited for by
+    # One sample more than a command: a state may come after the sample that its command was waited for by. Below 0 the state is
+    # ahead of the sample, which waited here or on its way; samples that wait for longer than a lease are stale.
+    Rule(
         controller_heard,
         TripCause.CONTROLLER_SILENT,
         lambda seen, _: float(seen.transport.state_lag),
-        lambda seen, limits: float(limits.lease_samples + 2 if seen.transport.state_lag >= 0 else 0),
+        lambda seen, limits: float(limits.lease_samples + 2 if seen.transport.state_lag >= 0 else -limits.lease_samples),
         "the controller's states have stopped or stand still (samples)",
     ),
     Rule(
