@@ -71,3 +71,21 @@ def test_what_came_is_told_once_a_second_and_when_the_gate_is_burned():
         head = header("plant/sample", number)
         controller._answer(Received(0, "plant/sample", head, sample(number, gate=int(gate))))
     assert [told.number for told in controller.bus.of("controller/reception")] == [0, 222, 250]
+
+
+def test_a_lockstep_commit_after_an_injection_is_refused_and_nothing_has_changed():
+    bus, answers = FakeBus("controller"), []
+    controller = Controller(bus)
+    controller.about = ABOUT
+
+    def ask(verb, **arguments):
+        controller._serve(Request(verb, arguments, lambda *answer: answers.append(answer)))
+        return answers[-1]
+
+    text = seal(to_plain(find("fig-7-1")), run=7, seed=1, clock="lockstep", bias_ticks=444, duration_ticks=100)
+    digest = ask("load", envelope=text)[2]["digest"]
+    before = controller.config
+    assert ask("inject", fault={"kind": "loss", "target": "plant>controller", "value": 0.5})[0]
+    accepted, reason, _ = ask("commit", digest=digest)
+    assert not accepted and "--clear" in reason
+    assert controller.config == before and bus.run.run == 0

@@ -43,7 +43,9 @@ def plant(device):
     )
     timeline, schedule = SimpleNamespace(number=70), Schedule(PlantConfig())
     bus, others = SimpleNamespace(conditions=idle("plant")), SimpleNamespace(clear=lambda: None)
-    return SimpleNamespace(device=device, keeper=keeper, timeline=timeline, schedule=schedule, now_ns=int, bus=bus, faults=others)
+    return SimpleNamespace(
+        device=device, keeper=keeper, timeline=timeline, schedule=schedule, now_ns=int, bus=bus, faults=others, pending=None
+    )
 
 
 def asked(device, verb, **arguments):
@@ -105,3 +107,28 @@ def test_a_load_with_a_fault_that_its_clock_cannot_play_is_refused():
     assert "only on real" in asked(Machine(), "load", envelope=text(kill))[1]
     assert asked(Machine(), "load", envelope=text(WHOLE))[0]
     assert Schedule(PlantConfig(), unseal(text(WHOLE))).faults == (Fault("stuck", "force"),)
+
+
+def test_a_lockstep_commit_after_an_injection_is_refused_before_anything_is_loaded():
+    machine, told = plant(Machine()), []
+
+    def ask(verb, **arguments):
+        answer(machine, Request(verb, arguments, lambda *given: told.append(given)))
+        return told[-1]
+
+    digest = ask("load", envelope=text({"plant": {}}))[2]["digest"]
+    loss = Fault("loss", "supervisor>plant", value=0.5)
+    machine.bus.conditions.inject(((loss, machine.timeline.number),))
+    before = machine.schedule
+    accepted, reason, _ = ask("commit", digest=digest)
+    assert not accepted and "--clear" in reason
+    assert machine.schedule is before
+
+
+def test_an_emergency_stop_is_judged_by_the_plants_own_clock():
+    machine, told, judged = plant(Machine()), [], []
+    machine.keeper.judge = lambda now_ns, at_latch: judged.append(now_ns)
+    machine.keeper.gate.codes = (2048, 2048, 2048)
+    machine.now_ns = lambda: 123
+    answer(machine, Request("estop", {}, lambda *given: told.append(given)))
+    assert machine.keeper.estop and judged == [123] and told[0][0]

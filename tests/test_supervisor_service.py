@@ -256,3 +256,36 @@ def test_answers_that_are_not_in_time_are_told_in_the_status():
     assert (scene.supervisor.status()["in_time"], scene.supervisor.status()["warnings"]) == (0.96, [])
     scene.supervisor.memory = scene.supervisor.memory._replace(watch=Watch(answers=Answers(0b1111, 0, 4, 4)))
     assert scene.supervisor.status()["warnings"] == ["4 answers in a row were late or missing; the lease bears 4"]
+
+
+def test_a_lockstep_commit_after_an_injection_is_refused_and_nothing_has_changed():
+    scene = Scene()
+    values = scene.ask("load", envelope=seal({}, run=7, seed=1, clock="lockstep", bias_ticks=8, duration_ticks=100))[2]
+    loss = {"kind": "loss", "target": "plant>supervisor", "value": 0.5}
+    assert scene.ask("inject", fault=loss)[0]
+    accepted, reason, _ = scene.commit(values)
+    assert not accepted and "--clear" in reason
+    assert scene.supervisor.envelope is None and scene.bus.run.run == 0
+    scene.ask("clear")
+    assert scene.commit(values)[0]
+
+
+@pytest.mark.parametrize(("behind", "mode"), [(1, Mode.RUNNING), (2, Mode.RUNNING), (5, Mode.RUNNING), (6, Mode.TRIPPED)])
+def test_a_supervisor_that_falls_behind_by_a_lease_does_not_take_the_controller_for_silent(behind, mode):
+    scene = Linked().started()
+    first = scene.supervisor.memory.first_sample
+    ours = {"run": scene.bus.run.run, "experiment": scene.bus.run.experiment}
+
+    def send(number):
+        state = header("controller/state", number, echo_number=number, **ours)
+        scene.bus.send("controller/state", state, state_body(number))
+        seen = sample(number, number - first - 8, command_number=number - 1)
+        scene.bus.send("plant/sample", header("plant/sample", number, **ours), seen)
+
+    for number in range(first, first + 12):
+        send(number)
+        scene.supervisor.step()
+    for number in range(first + 12, first + 12 + behind):
+        send(number)
+    scene.supervisor.step()
+    assert Mode(scene.supervisor.memory.mode) == mode

@@ -36,12 +36,12 @@ def state_body(number=0, **changes):
 class FakeBus:
     """Keeps what is published; `send` puts a frame where the transport would."""
 
-    def __init__(self):
+    def __init__(self, service="supervisor"):
         self.run = Run()
         self.published = []
         self.inboxes = {}
         self.waits_for_room = False
-        self.conditions = idle("supervisor")
+        self.conditions = idle(service)
 
     def subscribe(self, key, depth=RING):
         self.inboxes[key] = Inbox(BY_KEY[key], CELL, depth, lambda: None)

@@ -120,11 +120,16 @@ class Controller:
     def _commit(self, request: Request) -> None:
         if self.pending is None or self.pending[0].digest.hex() != request.arguments.get("digest"):
             return request.refuse("nothing with this hash was loaded: load it first")
-        envelope, self.config, self.reference = self.pending
+        envelope, config, reference = self.pending
+        try:
+            conditions = conditions_of(envelope, self.bus.conditions)  # once more: faults may have been injected since the load
+        except ValueError as error:
+            return request.refuse(str(error))
+        self.config, self.reference = config, reference
         self.first_tick = -envelope.bias_ticks
         self._prepare()
         self.bus.run = Run(envelope.run, envelope.digest, 0)
-        self.bus.impair(conditions_of(envelope, self.bus.conditions))
+        self.bus.impair(conditions)
         self.bus.waits_for_room = envelope.clock == "lockstep"
         follow(envelope.clock)
         gc.collect()

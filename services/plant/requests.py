@@ -72,11 +72,15 @@ def _commit(plant: "Plant", request: Request) -> None:
     if _armed(plant):
         return request.refuse("a trial is armed or running: stop it first (`hydrohil stop`)")
     envelope = schedule.envelope
+    try:
+        conditions = conditions_of(envelope, plant.bus.conditions)  # once more: faults may have been injected since the load
+    except ValueError as error:
+        return request.refuse(str(error))
     plant.device.load(schedule.config, envelope.seed, schedule.first_tick, schedule.ticks, schedule.faults)
     plant.schedule = schedule
     plant.timeline.tick = NO_TRIAL  # nobody answers a sample of the trial before: in lockstep one may be waiting for that
     plant.bus.run = Run(envelope.run, envelope.digest, 0)
-    plant.bus.impair(conditions_of(envelope, plant.bus.conditions))
+    plant.bus.impair(conditions)
     plant.bus.waits_for_room = schedule.lockstep
     follow(envelope.clock)
     gc.collect()
@@ -87,7 +91,7 @@ def _commit(plant: "Plant", request: Request) -> None:
 
 def _estop(plant: "Plant", request: Request) -> None:
     plant.keeper.estop = True
-    plant.keeper.judge(0, at_latch=False)
+    plant.keeper.judge(plant.now_ns(), at_latch=False)
     request.reply({"dac_counts": list(plant.keeper.gate.codes)})
 
 

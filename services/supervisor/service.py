@@ -266,14 +266,19 @@ class Supervisor:
             return request.refuse(f"the mode is {Mode(self.memory.mode).name}: stop or reset first")
         if self.pending is None or self.pending[0].digest.hex() != request.arguments.get("digest"):
             return request.refuse("nothing with this hash was loaded: load it first")
-        self.envelope, self.config = self.pending
+        envelope, config = self.pending
+        try:
+            conditions = conditions_of(envelope, self.bus.conditions)  # once more: faults may have been injected since the load
+        except ValueError as error:
+            return request.refuse(str(error))
+        self.envelope, self.config = envelope, config
         self._prepare()
-        self.bus.run = Run(self.envelope.run, self.envelope.digest, 0)
-        self.bus.impair(conditions_of(self.envelope, self.bus.conditions))
-        self.bus.waits_for_room = self.envelope.clock == "lockstep"
-        follow(self.envelope.clock)
+        self.bus.run = Run(envelope.run, envelope.digest, 0)
+        self.bus.impair(conditions)
+        self.bus.waits_for_room = envelope.clock == "lockstep"
+        follow(envelope.clock)
         gc.collect()
-        return request.reply({"digest": self.envelope.digest.hex()})
+        return request.reply({"digest": envelope.digest.hex()})
 
     def status(self) -> dict[str, Any]:
         """What an operator wants to know."""
