@@ -43,6 +43,16 @@ def test_a_fault_by_hand_begins_at_the_next_sample_and_lasts_its_time_in_or_outs
     assert injection.waiting == injection.acting == ()
 
 
+def test_the_same_fault_injected_again_waits_although_it_acts():
+    injection = made()
+    injection.inject(OFFSET, 10)
+    injection.at(11, NO_TRIAL)
+    injection.inject(OFFSET, 11)
+    assert (injection.acting, injection.waiting) == ((OFFSET,), (OFFSET,))
+    injection.at(12, NO_TRIAL)
+    assert (injection.acting, injection.waiting) == ((OFFSET, OFFSET), ())
+
+
 def test_a_fault_by_hand_waits_for_its_delay():
     injection, fault = made(), Fault("dropout", "force", 0.009, 0.0)
     injection.inject(fault, 50)

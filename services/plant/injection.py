@@ -3,7 +3,7 @@
 from services.plant.device import Faults
 from services.plant.faults import END, FIRST, Row, fault_row
 from shared.faults import Fault
-from shared.messages import NO_TRIAL
+from shared.messages import NO_COMMAND, NO_TRIAL
 
 
 class Injection:
@@ -15,6 +15,7 @@ class Injection:
         self._by_hand: list[tuple[Fault, Row]] = []
         self._acting: list[tuple[Fault, Row]] = []
         self._seed = self._period_ns = 0
+        self._number = NO_COMMAND  # of the sample last asked for
 
     def schedule(self, faults: Faults, seed: int, period_ns: int) -> None:
         """Those of the trial that was loaded."""
@@ -31,6 +32,7 @@ class Injection:
 
     def at(self, number: int, tick: int) -> tuple[Row, ...]:
         """Rows that act at this sample, by its tick in a trial and by its number outside; empty = nothing is broken."""
+        self._number = number
         if not self._trial and not self._by_hand:
             self._acting = []
             return ()
@@ -49,8 +51,7 @@ class Injection:
     @property
     def waiting(self) -> Faults:
         """Injected by hand and not begun."""
-        acting = self.acting
-        return tuple(fault for fault, _ in self._by_hand if fault not in acting)
+        return tuple(fault for fault, row in self._by_hand if row[FIRST] > self._number)
 
 
 def clock(number: int, tick: int) -> int:
