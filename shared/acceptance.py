@@ -4,6 +4,8 @@ from collections import Counter
 
 from shared.codec import Header, Received, Rejected
 
+MOST_EPOCHS = 4096  # that are left; no sender starts anew so often, and then none may: to forget one would let it return
+
 
 class Acceptance:
     """Sequence and epoch of one topic's publisher, and counters of what was discarded, by cause."""
@@ -26,12 +28,13 @@ class Acceptance:
             self.link_faults += message.cause == "crc" and self._is_bound(message.header)
             return None
         header = message.header
-        if header.epoch in self._left:
+        anew = self.bound is not None and header.epoch != self.bound.epoch
+        if header.epoch in self._left or (anew and len(self._left) >= MOST_EPOCHS):
             self.discarded["epoch"] += 1
             self.rivals += 1
             return None
         last = header.seq - 1  # of a stream that is new: nothing is lost before one joins
-        if self.bound is not None and header.epoch != self.bound.epoch:
+        if anew and self.bound is not None:
             self._left.add(self.bound.epoch)
             self.rivals += 1
         elif self.bound is not None:

@@ -3,7 +3,7 @@ from hypothesis import given
 from hypothesis import strategies as st
 from wire_scene import command_body, header
 
-from shared.acceptance import Acceptance
+from shared.acceptance import MOST_EPOCHS, Acceptance
 from shared.codec import Received, Rejected
 
 
@@ -41,6 +41,14 @@ def test_a_sender_that_starts_anew_is_taken_and_its_old_epoch_never_again():
 def test_an_epoch_once_left_never_returns_however_many_came_since():
     _, passed = taken([(epoch, 0) for epoch in range(200)] + [(epoch, 1) for epoch in range(200)])
     assert passed == [(epoch, 0) for epoch in range(200)] + [(199, 1)]
+
+
+def test_after_a_flood_of_epochs_the_bound_one_goes_on_and_no_other_is_taken():
+    flood = [(epoch, 0) for epoch in range(MOST_EPOCHS + 1)]
+    acceptance, passed = taken([*flood, (MOST_EPOCHS + 1, 0), (0, 1), (MOST_EPOCHS, 1)])
+    assert passed == [*flood, (MOST_EPOCHS, 1)]
+    assert acceptance.discarded == {"epoch": 2}
+    assert acceptance.rivals == MOST_EPOCHS + 2
 
 
 def test_an_epoch_of_zero_is_an_epoch_like_any_other():
