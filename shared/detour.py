@@ -11,7 +11,7 @@ from typing import NamedTuple
 
 from shared.codec import Received, Rejected
 from shared.envelope import Envelope, faults
-from shared.faults import Fault
+from shared.faults import Fault, ticks_of
 from shared.impairment import SAMPLE, Active, Fate, Route, both, fate, fate_now, flip, on_path, paths_of, route_of
 from shared.messages import NO_COMMAND, NO_TRIAL, Passed
 from shared.topics import Topic
@@ -99,6 +99,10 @@ class Conditions:
                 found = on_path(path, (fault,), self._period * SUBSTEP_NS)
                 moved = (one._replace(begin=one.begin + after + 1, end=one.end + after + 1) for one in found)
                 self._injected[path] = (*self._injected.get(path, ()), *moved)
+
+    def begins(self, fault: Fault, after: int) -> int:
+        """Number of the first sample with a fault that was injected after sample `after`."""
+        return after + 1 + ticks_of(fault, self._period * SUBSTEP_NS)[0]
 
     def lasting(self) -> tuple[tuple[Fault, int], ...]:
         """What was injected by hand and is not over."""

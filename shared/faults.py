@@ -23,6 +23,7 @@ CUTS = ("plant-controller", "plant-supervisor", "controller-supervisor")  # both
 PROCESSES = ("plant", "controller", "supervisor", "recorder")
 COUNTED = ("counts", "messages", "processes")  # units that come whole
 FOR_EVER = 2**31  # later than any tick
+MOST_FAULTS = 32  # by hand in one service at once: each costs a few us a sample
 _EVERY, _ON_THE_BUS, _LIVE = ("local", "lockstep", "real"), ("lockstep", "real"), ("real",)
 
 

@@ -5,7 +5,7 @@ from typing import Any
 
 from shared.bus import Bus, Request
 from shared.envelope import checked
-from shared.faults import Fault, problem, row_of
+from shared.faults import MOST_FAULTS, Fault, problem, row_of
 from shared.impairment import paths_of
 from shared.units import NS_PER_S
 
@@ -32,7 +32,7 @@ class LiveFaults:
             self.inject(fault, number)
         except ValueError as error:
             return request.refuse(str(error))
-        return request.reply({"number": number + 1})
+        return request.reply({"number": self._bus.conditions.begins(fault, number)})
 
     def inject(self, fault: Fault, number: int) -> None:
         """From the next sample on; raises ValueError with one line if this service cannot play it."""
@@ -47,7 +47,10 @@ class LiveFaults:
             begin_ns = time.monotonic_ns() + round(fault.at_s * NS_PER_S)
             self._span_ns = (begin_ns, begin_ns + round(fault.lasts_s * NS_PER_S) if fault.lasts_s else _FOR_EVER_NS)
         elif row_of(fault).group == "transport" and any(path.endswith(f">{self._service}") for path in paths_of(fault)):
-            self._bus.conditions.inject((*self._bus.conditions.lasting(), (fault, number)))
+            lasting = self._bus.conditions.lasting()
+            if len(lasting) >= MOST_FAULTS:
+                raise ValueError(f"{MOST_FAULTS} faults act or wait already: end them first (`hydrohil inject --clear`)")
+            self._bus.conditions.inject((*lasting, (fault, number)))
             self._bus.impair(self._bus.conditions)
         else:
             raise ValueError(f"{fault.kind} of {fault.target} is not played by the {self._service}")

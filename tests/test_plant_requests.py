@@ -5,12 +5,12 @@ from types import SimpleNamespace
 import pytest
 
 from services.plant.config import GateLimits, PlantConfig
-from services.plant.requests import MOST_FAULTS, answer
+from services.plant.requests import answer
 from services.plant.trial import Schedule
 from shared.bus import Request
 from shared.detour import idle
 from shared.envelope import seal, unseal
-from shared.faults import Fault
+from shared.faults import MOST_FAULTS, Fault
 
 STUCK = {"kind": "stuck", "target": "force"}
 WHOLE = {"plant": {}, "faults": [STUCK]}

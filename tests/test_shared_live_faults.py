@@ -5,6 +5,7 @@ from wire_scene import FakeBus
 
 from shared.bus import Request
 from shared.detour import Conditions
+from shared.faults import MOST_FAULTS
 from shared.live_faults import LiveFaults
 from shared.topics import BY_KEY
 
@@ -78,3 +79,16 @@ def test_a_slow_service_spends_its_time_and_no_longer_than_asked():
     time.sleep(0.05)
     scene.faults.spend()
     assert scene.faults.acting() == []
+
+
+def test_a_fault_that_waits_is_told_with_the_sample_at_which_it_begins():
+    told = Scene().ask("inject", kind="loss", target="controller>supervisor", value=0.5, at_s=0.45)
+    assert told == (True, "", {"number": 142})
+
+
+def test_more_faults_than_a_sample_has_time_for_are_refused():
+    scene, loss = Scene(), {"kind": "loss", "target": "controller>supervisor", "value": 0.5}
+    assert all(scene.ask("inject", **loss)[0] for _ in range(MOST_FAULTS))
+    accepted, reason, _ = scene.ask("inject", **loss)
+    assert not accepted and "--clear" in reason
+    assert len(scene.faults.acting()) == MOST_FAULTS

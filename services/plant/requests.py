@@ -10,7 +10,7 @@ from services.plant.trial import Schedule
 from shared.bus import Request, Run
 from shared.detour import conditions_of
 from shared.envelope import checked, section, unseal
-from shared.faults import Fault, problem, row_of, ticks_of
+from shared.faults import MOST_FAULTS, Fault, problem, row_of, ticks_of
 from shared.messages import NO_TRIAL, GateCause
 from shared.realtime import follow
 from shared.reception import told
@@ -18,9 +18,6 @@ from shared.units import SUBSTEP_NS
 
 if TYPE_CHECKING:
     from services.plant.service import Plant
-
-
-MOST_FAULTS = 32  # at once: each costs a few us a sample
 
 
 def answer(plant: "Plant", request: Request) -> None:
