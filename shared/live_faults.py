@@ -43,8 +43,11 @@ class LiveFaults:
         if self._bus.conditions.lockstep:
             raise ValueError("a lockstep trial is loaded, and its services must all know a fault beforehand: schedule it")
         if fault.kind == "slow" and fault.target == self._service:
+            now_ns = time.monotonic_ns()
+            if self._slow is not None and now_ns < self._span_ns[1]:
+                raise ValueError(f"the {self._service} is slow already, or will be: end that first (`hydrohil inject --clear`)")
             self._slow = fault
-            begin_ns = time.monotonic_ns() + round(fault.at_s * NS_PER_S)
+            begin_ns = now_ns + round(fault.at_s * NS_PER_S)
             self._span_ns = (begin_ns, begin_ns + round(fault.lasts_s * NS_PER_S) if fault.lasts_s else _FOR_EVER_NS)
         elif row_of(fault).group == "transport" and any(path.endswith(f">{self._service}") for path in paths_of(fault)):
             lasting = self._bus.conditions.lasting()

@@ -92,3 +92,15 @@ def test_more_faults_than_a_sample_has_time_for_are_refused():
     accepted, reason, _ = scene.ask("inject", **loss)
     assert not accepted and "--clear" in reason
     assert len(scene.faults.acting()) == MOST_FAULTS
+
+
+def test_a_second_pace_does_not_silently_take_the_place_of_the_first(monkeypatch):
+    scene, slow = Scene(), {"kind": "slow", "target": "supervisor", "value": 1.0, "lasts_s": 1.0}
+    monkeypatch.setattr(time, "monotonic_ns", lambda: now_ns)
+    now_ns = 5
+    assert scene.ask("inject", **slow)[0]
+    now_ns += 999_999_999
+    accepted, reason, _ = scene.ask("inject", **slow)
+    assert not accepted and "slow already" in reason
+    now_ns += 1
+    assert scene.ask("inject", **slow)[0]
