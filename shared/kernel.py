@@ -10,6 +10,7 @@ floats as floats and check their domain before sqrt, exp, log and int.
 import hashlib
 import os
 import platform
+import sys
 from collections.abc import Callable
 from pathlib import Path
 from typing import Any, TypeVar
@@ -20,6 +21,7 @@ _marked: list[Callable[..., Any]] = []
 _registered = 0
 _SOURCE_ROOT = Path(__file__).resolve().parent.parent
 _SOURCE_FOLDERS = ("shared", "services", "rollout", "experiments", "analysis", "reproduction", "tuning", "battery", "campaigns")
+RECURSION = 10_000  # inference descends some twenty frames a nested call, and the supervisor's rules nest thirty deep
 KERNEL_FOLDERS = ("shared", "services/plant", "services/controller", "services/supervisor", "rollout")  # where kernels may be
 
 
@@ -65,6 +67,7 @@ def compiled(function: Function) -> Function:
 
     for marked in _marked[_registered:]:
         register_jitable(marked)
+    sys.setrecursionlimit(max(sys.getrecursionlimit(), RECURSION))
     _registered = len(_marked)
     made: Function = numba.njit(cache=True, error_model="python")(function)
     return made

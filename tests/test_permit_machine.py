@@ -25,7 +25,7 @@ WRONG = st.sampled_from(
         {"command_number": 0},
     ]
 )
-LINKS = st.builds(Links, *[st.sampled_from([0, 1, 2, 8])] * 3)
+LINKS = st.builds(Links, *[st.sampled_from([0, 1, 2, 8])] * 3, st.sampled_from([-40, 0, 1, 2, 40]))
 
 
 class PermitUnderFire(RuleBasedStateMachine):

@@ -270,7 +270,9 @@ SEEN = st.builds(
         st.tuples(*(st.integers(0, 300_000_000),) * 3),
         TRIPLES | st.just(FINE.motion.against),
     ),
-    st.builds(TransportSeen, INTS, st.integers(0, 30_000_000), INTS, FEW, st.booleans(), FEW, FEW, FEW, st.integers(0, 100)),
+    st.builds(
+        TransportSeen, INTS, st.integers(0, 30_000_000), INTS, FEW, st.booleans(), FEW, FEW, FEW, INTS, st.integers(0, 100)
+    ),
 )
 
 

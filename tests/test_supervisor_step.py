@@ -291,7 +291,7 @@ ASKS = st.builds(
     st.booleans(),
     st.booleans(),
     st.sampled_from([0, 0, 20_000_000, 20_000_001]),
-    st.builds(Links, *[st.sampled_from([0, 0, 0, 1, 2])] * 3),
+    st.builds(Links, *[st.sampled_from([0, 0, 0, 1, 2])] * 3, st.integers(-40, 40)),
 )
 
 
