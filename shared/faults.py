@@ -124,6 +124,13 @@ def ticks_of(fault: Fault, period_ns: int) -> tuple[int, int]:
     return first, max(first + 1, end)
 
 
+def words(fault: Fault) -> str:
+    """What a trial schedules, for people."""
+    amount = f" {fault.value:g} {row_of(fault).unit}" if row_of(fault).unit else ""
+    ends = f"for {fault.lasts_s:g} s" if fault.lasts_s else "to the end"
+    return f"{fault.kind} {fault.target}{amount} at {fault.at_s:g} s {ends}"
+
+
 def of_group(faults: tuple[Fault, ...], *groups: Group) -> tuple[Fault, ...]:
     """Those of `faults` that a service of these groups plays; all must be valid."""
     return tuple(fault for fault in faults if row_of(fault).group in groups)

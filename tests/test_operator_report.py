@@ -10,6 +10,7 @@ from rich.console import Console
 from experiments.claims import Verdict
 from experiments.library import find
 from services.operator.report import Report, markdown, show, write_json
+from shared.faults import Fault
 
 EXPERIMENT = find("fig-4-25")
 HOLDS, FAILS = (Verdict(EXPERIMENT.claims[0], 1.0, held) for held in (True, False))
@@ -78,3 +79,12 @@ def test_warnings_are_in_the_document_and_in_json(tmp_path: Path):
     assert json.loads((tmp_path / "r.json").read_text())["warnings"] == ["it must limit-cycle"]
     assert "**warning**: it must limit-cycle" in markdown(warned)
     assert "warning" not in markdown(report())
+
+
+def test_what_was_broken_on_purpose_is_said_everywhere(tmp_path: Path):
+    faults = (Fault("drop", "supply", 2.0, 1.0, 0.5), Fault("stuck", "force"))
+    made = report()._replace(experiment=EXPERIMENT._replace(faults=faults))
+    for text in (shown(made), markdown(made)):
+        assert "drop supply 0.5 share at 2 s for 1 s" in text and "stuck force at 0 s to the end" in text
+    write_json(tmp_path / "report.json", made)
+    assert json.loads((tmp_path / "report.json").read_text())["faults"] == [fault._asdict() for fault in faults]

@@ -12,6 +12,7 @@ from experiments.claims import Verdict, band, quantity
 from experiments.experiment import Experiment
 from services.recorder import trip_words
 from services.recorder.trip_report import Document
+from shared.faults import words
 from shared.kernel import source_version
 from shared.process import EXIT_CLAIM, EXIT_OK, EXIT_TRANSPORT, EXIT_TRIPPED
 
@@ -52,6 +53,8 @@ def show(console: Console, report: Report) -> None:
         f"({experiment.duration_s / report.wall_s:.3g} times real time)",
         highlight=False,
     )
+    for fault in experiment.faults:
+        console.print(f"[yellow]broken on purpose[/]: {words(fault)}", highlight=False)
     for line in report.struck:
         console.print(f"struck: {line}", highlight=False, markup=False)
     if report.tripped:
@@ -110,6 +113,7 @@ def markdown(report: Report) -> str:
     lines += [f"clock {report.clock}, seed {report.seed}, source {source_version()}", ""]
     lines += [f"**TRIPPED**: {report.tripped}", ""] if report.tripped else []
     lines += [f"**NO VERDICT**: {report.gap}", ""] if report.gap else []
+    lines += [f"**broken on purpose**: {words(fault)}\n" for fault in report.experiment.faults]
     lines += [f"**struck**: {line}\n" for line in report.struck]
     lines += [f"**warning**: {line}\n" for line in report.warnings]
     lines += ["| claim | stated | measured | holds |", "|---|---|---|---|"]
@@ -139,6 +143,7 @@ def write_json(path: Path, report: Report) -> None:
                 "latencies": report.latencies or None,
                 "recording": report.recording or None,
                 "warnings": list(report.warnings),
+                "faults": [fault._asdict() for fault in report.experiment.faults],
                 "struck": list(report.struck),
                 "claims": [
                     {
