@@ -4,7 +4,7 @@ from collections.abc import Sequence
 
 from experiments.errors import ExperimentError
 from experiments.experiment import Experiment, from_plain, to_plain
-from shared.faults import Fault
+from shared.faults import Fault, value_missing
 
 WHERE = "--inject"
 EXPECTED = "expected KIND TARGET [value=V] [at=SECONDS] [for=SECONDS], such as 'stuck force at=1.0 for=0.5'"
@@ -30,4 +30,7 @@ def fault_of(line: str) -> Fault:
             numbers[_FIELDS[name]] = float(text)
         except (KeyError, ValueError):
             raise ExperimentError([f"{WHERE} {line!r}: {word!r}: {EXPECTED}"]) from None
-    return Fault(words[0], words[1], **numbers)
+    made = Fault(words[0], words[1], **numbers)
+    if "value" not in numbers and (what := value_missing(made)):
+        raise ExperimentError([f"{WHERE} {line!r}: {what}: write value=V"])
+    return made

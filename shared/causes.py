@@ -47,7 +47,7 @@ TRIPS: dict[TripCause, Cause] = {
         _UNLOAD,
     ),
     TripCause.FORCE_FROZEN: Cause(
-        "the force reading stood still for {measured:.0f} samples against at most {limit:.0f}",
+        "the force reading stood still for {measured:.0f} samples; {limit:.0f} are too many for its known noise",
         "the force reading shows the gauge's known noise",
         _GAUGE,
     ),

@@ -124,6 +124,15 @@ def ticks_of(fault: Fault, period_ns: int) -> tuple[int, int]:
     return first, max(first + 1, end)
 
 
+def value_missing(fault: Fault) -> str:
+    """What to give where an operator gave no value, one line; "" if this fault takes none, or is not known."""
+    try:
+        row = row_of(fault)
+    except LookupError:
+        return ""
+    return f"value of {row.kind} is missing, expected {row.low:g}..{row.high:g} {row.unit}" if row.unit else ""
+
+
 def words(fault: Fault) -> str:
     """What a trial schedules, for people."""
     amount = f" {fault.value:g} {row_of(fault).unit}" if row_of(fault).unit else ""

@@ -46,3 +46,10 @@ def test_faults_may_be_set_as_a_list_changed_one_by_one_and_written_down():
 
 def test_without_a_line_nothing_changes():
     assert with_faults(EXPERIMENT, ()) is EXPERIMENT
+
+
+def test_a_value_that_is_not_given_is_asked_for_and_not_taken_as_zero():
+    with pytest.raises(ExperimentError, match=r"value of drop is missing, expected 0..1 share"):
+        fault_of("drop supply at=1")
+    assert fault_of("noise force value=0").value == 0.0
+    assert fault_of("stuck force").value == 0.0

@@ -10,7 +10,7 @@ from shared.faults import ROWS, Fault
 ONE_OF_EACH = [Fault(row.kind, row.targets[0], value=row.low) for row in ROWS]
 
 
-@pytest.mark.parametrize(("fault", "row"), zip(ONE_OF_EACH, ROWS, strict=True))
+@pytest.mark.parametrize(("fault", "row"), list(zip(ONE_OF_EACH, ROWS, strict=True)))
 def test_a_fault_is_taken_where_somebody_plays_it_and_refused_everywhere_else(fault, row):
     assert (refused(fault) == "") is (row.group in INJECTORS)
     for clock in ("local", "lockstep", "real"):
@@ -42,3 +42,9 @@ def test_the_list_has_every_row_with_its_unit_and_bounds():
 def test_a_run_refuses_what_its_clock_cannot_break_before_anything_starts(clock):
     done = CliRunner().invoke(app, ["run", "fig-4-25", "--clock", clock, "--inject", "kill controller at=1"])
     assert done.exit_code == 2
+
+
+def test_a_value_that_is_not_given_is_asked_for_before_a_cell_is():
+    done = CliRunner().invoke(app, ["inject", "drop", "supply"])
+    assert done.exit_code == 2
+    assert "value of drop is missing, expected 0..1 share: give --value" in done.stderr

@@ -8,7 +8,7 @@ import typer
 from services.operator.cell_commands import await_links
 from services.operator.options import AsJson, CellName, Port, app, console, fail
 from shared.bus import DEFAULT_PORT
-from shared.faults import ROWS, Fault
+from shared.faults import ROWS, Fault, value_missing
 from shared.process import EXIT_TRANSPORT, EXIT_USAGE
 
 _USAGE = "expected KIND TARGET, such as `hydrohil inject stuck force --for 2`; `hydrohil inject --list` shows what there is"
@@ -18,7 +18,7 @@ _USAGE = "expected KIND TARGET, such as `hydrohil inject stuck force --for 2`; `
 def inject(
     kind: Annotated[str | None, typer.Argument(help="What breaks: stuck, offset, leak, ...")] = None,
     target: Annotated[str | None, typer.Argument(help="Where: force, encoder_rotate, valve_out_in, supply, ...")] = None,
-    value: Annotated[float, typer.Option(help="How much, in the unit that --list names.")] = 0.0,
+    value: Annotated[float | None, typer.Option(help="How much, in the unit that --list names.")] = None,
     lasts_s: Annotated[float, typer.Option("--for", min=0.0, help="Seconds; 0 = until --clear.")] = 0.0,
     after_s: Annotated[float, typer.Option("--after", min=0.0, help="Seconds from the next sample on.")] = 0.0,
     show: Annotated[bool, typer.Option("--list", help="Show every fault with its unit and bounds.")] = False,
@@ -39,7 +39,9 @@ def inject(
         raise fail(_USAGE, EXIT_USAGE)
     if show:
         return _list(as_json)
-    fault = None if kind is None or target is None else Fault(kind, target, after_s, lasts_s, value)
+    fault = None if kind is None or target is None else Fault(kind, target, after_s, lasts_s, value or 0.0)
+    if fault is not None and value is None and (what := value_missing(fault)):
+        raise fail(f"{what}: give --value", EXIT_USAGE)
     done = _ask(fault, cell, port)
     if as_json:
         print(json.dumps({"fault": None if fault is None else fault._asdict(), "done": done}))
