@@ -31,6 +31,7 @@ HOST = "127.0.0.1"
 _PRIORITIES = ("control", "real_time", "interactive_high", "interactive_low", "data_high", "data", "data_low", "background")
 _REQUESTS_REMEMBERED = 1024  # digests of frames; each names its sender's start and number, so that none comes twice by itself
 _REPEATABLE = ("estop", "status")  # a stop is never refused; a question changes nothing, and must not push out what does
+_ESTOP = b"\xa5estop"  # the verb as it stands in a frame: MessagePack text of five bytes
 _QUEUED_BATCHES = 16  # two, the default, lose messages when the processor is contended
 
 
@@ -279,7 +280,11 @@ class Bus:
         return made
 
     def _asked(self, query: Any) -> None:
-        self.requests_seen.append(query)
+        """Transport's callback: an emergency stop goes first and always finds room; of others as many wait as the ring holds."""
+        if query.payload is not None and _ESTOP in query.payload.to_bytes():
+            self.requests_seen.appendleft(query)
+        elif len(self.requests_seen) < RING:
+            self.requests_seen.append(query)
         self.wake()
 
     def _answer(self, query: Any, key: str) -> Callable[[bool, str, dict[str, Any]], None]:
