@@ -9,9 +9,10 @@ from collections.abc import Sequence
 from statistics import median
 from typing import NamedTuple
 
-from shared.bus import Bus, Inbox
+from shared.bus import Bus
 from shared.codec import Received
 from shared.converters import ZERO_CODE
+from shared.inbox import Inbox
 from shared.messages import NO_TRIAL, GateState
 from shared.units import NS_PER_S
 

@@ -5,33 +5,26 @@ Every session tries for ever, so the order of starting does not matter. Liveline
 """
 
 import errno
-import hashlib
 import json
 import socket
 import threading
 import time
-from collections import deque
-from collections.abc import Callable
 from types import TracebackType
 from typing import Any, NamedTuple
 
 import zenoh
 
-from shared.acceptance import Acceptance
-from shared.codec import WIRE_VERSION, Header, Received, Rejected, decode, encode
-from shared.detour import FOREVER_NS, Conditions, Detour, Passage, idle
+from shared.codec import WIRE_VERSION, Header, Received, decode, encode
+from shared.detour import Conditions, idle
+from shared.inbox import RING, Inbox
 from shared.messages import NO_COMMAND, Answer, Ask
-from shared.protection import Protection, ProtectionLimits
+from shared.requests import Request, Requests
 from shared.topics import ANSWER, ASK, BY_KEY, Topic, expression
 
 LISTENERS = ("plant", "controller", "supervisor", "recorder")  # offset from the cell's first port
-RING = 64  # frames kept for one step; a ring of one would let a foreign frame push out a valid one
 DEFAULT_PORT = 7450
 HOST = "127.0.0.1"
 _PRIORITIES = ("control", "real_time", "interactive_high", "interactive_low", "data_high", "data", "data_low", "background")
-_REQUESTS_REMEMBERED = 1024  # digests of frames; each names its sender's start and number, so that none comes twice by itself
-_REPEATABLE = ("estop", "status")  # a stop is never refused; a question changes nothing, and must not push out what does
-_ESTOP = b"\xa5estop"  # the verb as it stands in a frame: MessagePack text of five bytes
 _QUEUED_BATCHES = 16  # two, the default, lose messages when the processor is contended
 
 
@@ -60,94 +53,6 @@ def same_run(header: Header, run: Run) -> bool:
     return header.run == run.run and header.experiment == run.experiment
 
 
-class Inbox:
-    """One topic's bounded ring, filled by the transport and drained by the step."""
-
-    def __init__(self, topic: Topic, cell: str, depth: int, wake: Callable[[], None]) -> None:
-        """An empty ring of `depth` frames."""
-        self.topic, self.cell = topic, cell
-        self.acceptance = Acceptance()
-        self.protection = Protection(self.acceptance, ProtectionLimits())
-        self._key = expression(cell, topic.key)
-        self._ring: deque[tuple[int, bytes]] = deque(maxlen=depth)
-        self._wake = wake
-        self.detour: Detour | None = None  # transport faults, while any are loaded
-
-    def put(self, sample: Any) -> None:
-        """Transport's callback: stamp and append."""
-        self._ring.append((time.monotonic_ns(), sample.payload.to_bytes()))
-        self._wake()
-
-    def impair(self, conditions: Conditions) -> None:
-        """Let faults act on this topic, if any of `conditions` touches it; what is under way of the same load stays so."""
-        if self.detour is not None and self.detour.conditions is conditions:
-            return
-        self.detour = Detour(self.topic, conditions, self._decode) if conditions.touches(self.topic) else None
-
-    def peek(self) -> Received | Rejected | None:
-        """The newest frame, left where it is; for progress, never for control."""
-        try:
-            arrival_ns, frame = self._ring[-1]
-        except IndexError:
-            return None
-        return self._decode(frame, arrival_ns)
-
-    def drain(self, simulated_ns: int = FOREVER_NS) -> list[Received | Rejected]:
-        """Everything that has come, in order, decoded but not yet judged; faults in lockstep go by simulated time."""
-        frames = []
-        while self._ring:
-            arrival_ns, frame = self._ring.popleft()
-            message = self._decode(frame, arrival_ns)
-            if self.detour is None:
-                frames.append(message)
-            else:
-                self.detour.admit(frame, message, simulated_ns)
-        return frames if self.detour is None else self.detour.released(simulated_ns, time.monotonic_ns())
-
-    def take(self, simulated_ns: int = FOREVER_NS) -> list[Received]:
-        """Everything valid that has come, in order; the rest is counted in `acceptance`."""
-        return [taken for message in self.drain(simulated_ns) if (taken := self.acceptance.take(message)) is not None]
-
-    @property
-    def number(self) -> int:
-        """Sample that the newest frame taken is, answers or judges."""
-        return NO_COMMAND if self.acceptance.bound is None else self.acceptance.bound.echo_number
-
-    def passages(self) -> list[Passage]:
-        """Samples that arrived in lockstep since the last call and did not come as they should."""
-        if self.detour is None:
-            return []
-        passed, self.detour.passages = self.detour.passages, []
-        return passed
-
-    def arrived(self) -> int:
-        """Newest sample whose answer a fault holds or took; nobody waits for it."""
-        return NO_COMMAND if self.detour is None else self.detour.newest
-
-    def delay_ns(self, message: Received) -> int:
-        """Simulated time by which faults made `message` later than its sample."""
-        return 0 if self.detour is None else self.detour.delay_ns(message.header.echo_number)
-
-    def _decode(self, frame: bytes, arrival_ns: int) -> Received | Rejected:
-        return decode(self._key, self.topic, self.cell, frame, arrival_ns)
-
-
-class Request(NamedTuple):
-    """A request that waits for its answer."""
-
-    verb: str
-    arguments: dict[str, Any]
-    answer: Callable[[bool, str, dict[str, Any]], None]
-
-    def reply(self, values: dict[str, Any]) -> None:
-        """Accept."""
-        self.answer(True, "", values)
-
-    def refuse(self, reason: str) -> None:
-        """Refuse, saying why and what to do."""
-        self.answer(False, reason, {})
-
-
 class Bus:
     """A service's place on the network."""
 
@@ -155,8 +60,7 @@ class Bus:
         """Nothing is opened before the `with`."""
         self.identity = Identity(cell, service, epoch)
         self.run = Run()
-        self.requests_seen: deque[Any] = deque(maxlen=RING)
-        self._asked_before: deque[bytes] = deque(maxlen=_REQUESTS_REMEMBERED)
+        self._requests = Requests(cell, self._header)
         self.waits_for_room = False  # instead of dropping: in lockstep nothing may be lost to a slow reader
         self.conditions = idle(service)
         self._inboxes: list[Inbox] = []
@@ -253,47 +157,12 @@ class Bus:
 
     def requests(self) -> list[Request]:
         """Requests that have arrived; each wants one answer."""
-        made = []
-        while self.requests_seen:
-            query = self.requests_seen.popleft()
-            key = str(query.key_expr)
-            payload = query.payload.to_bytes() if query.payload is not None else b""
-            asked = decode(key, ASK, self.identity.cell, payload, time.monotonic_ns())
-            answer = self._answer(query, key)
-            if isinstance(asked, Rejected):
-                answer(False, f"malformed request: {asked.cause}: {asked.detail}", {})
-                continue
-            try:
-                arguments = json.loads(asked.body.arguments)
-            except (ValueError, RecursionError):
-                arguments = None
-            if not isinstance(arguments, dict):
-                answer(False, "malformed request: the arguments are no JSON object", {})
-                continue
-            if asked.body.verb not in _REPEATABLE:
-                digest = hashlib.sha256(payload).digest()
-                if digest in self._asked_before:
-                    answer(False, "this request came before, byte for byte: a replay has no effect", {})
-                    continue
-                self._asked_before.append(digest)
-            made.append(Request(asked.body.verb, arguments, answer))
-        return made
+        return self._requests.take()
 
     def _asked(self, query: Any) -> None:
-        """Transport's callback: an emergency stop goes first and always finds room; of others as many wait as the ring holds."""
-        if query.payload is not None and _ESTOP in query.payload.to_bytes():
-            self.requests_seen.appendleft(query)
-        elif len(self.requests_seen) < RING:
-            self.requests_seen.append(query)
+        """Transport's callback."""
+        self._requests.put(query)
         self.wake()
-
-    def _answer(self, query: Any, key: str) -> Callable[[bool, str, dict[str, Any]], None]:
-        def answer(accepted: bool, reason: str, values: dict[str, Any]) -> None:
-            body = Answer(int(accepted), reason, json.dumps(values).encode())
-            with query:
-                query.reply(key, encode(key, self._header(ANSWER), body))
-
-        return answer
 
     def ask(self, service: str, verb: str, arguments: dict[str, Any], timeout_s: float = 2.0) -> Answer | None:
         """The answer of `service`, or None if nobody gives one in time."""

@@ -3,10 +3,11 @@
 import time
 from typing import Any
 
-from shared.bus import Bus, Request
+from shared.bus import Bus
 from shared.envelope import checked
 from shared.faults import MOST_FAULTS, Fault, problem, row_of
 from shared.impairment import paths_of
+from shared.requests import Request
 from shared.units import NS_PER_S
 
 _S_PER_MS = 1e-3

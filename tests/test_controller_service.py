@@ -9,10 +9,10 @@ from wire_scene import FakeBus, header
 from experiments.experiment import Experiment, to_plain, warnings
 from experiments.library import find
 from services.controller.service import Controller
-from shared.bus import Request
 from shared.codec import Received
 from shared.envelope import seal
 from shared.messages import GateState
+from shared.requests import Request
 
 
 def loaded(experiment: Experiment, about=ABOUT):

@@ -7,10 +7,10 @@ import pytest
 from services.plant.config import GateLimits, PlantConfig
 from services.plant.requests import answer
 from services.plant.trial import Schedule
-from shared.bus import Request
 from shared.detour import idle
 from shared.envelope import seal, unseal
 from shared.faults import MOST_FAULTS, Fault
+from shared.requests import Request
 
 STUCK = {"kind": "stuck", "target": "force"}
 WHOLE = {"plant": {}, "faults": [STUCK]}

@@ -13,7 +13,8 @@ from test_recorder_recording import read
 
 from services.recorder import service
 from services.recorder.recorder import Recorder
-from shared.bus import Bus, Request
+from shared.bus import Bus
+from shared.requests import Request
 
 
 class Asked:

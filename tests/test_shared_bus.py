@@ -1,7 +1,8 @@
 from types import SimpleNamespace
 
-from shared.bus import RING, Bus
+from shared.bus import Bus
 from shared.codec import WIRE_VERSION, Header, encode
+from shared.inbox import RING
 from shared.messages import Ask
 from shared.topics import ASK, expression
 

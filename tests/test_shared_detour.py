@@ -4,11 +4,11 @@ import pytest
 from supervisor_scene import sample
 from wire_scene import CELL, command_body, header, permit_body
 
-from shared.bus import RING, Inbox
 from shared.codec import encode
 from shared.detour import FOREVER_NS, Conditions, conditions_of, idle
 from shared.envelope import seal, unseal
 from shared.faults import Fault
+from shared.inbox import RING, Inbox
 from shared.messages import NO_TRIAL
 from shared.topics import BY_KEY, expression
 from shared.units import SUBSTEP_NS

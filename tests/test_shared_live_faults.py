@@ -3,10 +3,10 @@ import time
 import pytest
 from wire_scene import FakeBus
 
-from shared.bus import Request
 from shared.detour import Conditions
 from shared.faults import MOST_FAULTS
 from shared.live_faults import LiveFaults
+from shared.requests import Request
 from shared.topics import BY_KEY
 
 

@@ -3,8 +3,8 @@ import typing
 from wire_scene import CELL, command_body, header
 
 from shared.acceptance import Acceptance
-from shared.bus import Inbox
 from shared.codec import MAX_FRAME_BYTES, Received, Rejected, decode, encode
+from shared.inbox import Inbox
 from shared.messages import InboxCounts
 from shared.reception import CAUSES, due, inbox_counts, reception, told
 from shared.topics import BY_KEY, TOPICS, expression

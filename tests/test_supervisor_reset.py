@@ -7,9 +7,10 @@ from supervisor_scene import sample
 from test_supervisor_service import Scene
 from wire_scene import CELL, header
 
-from shared.bus import Bus, Request
+from shared.bus import Bus
 from shared.codec import Received, encode
 from shared.messages import Ask, Mode, TripCause
+from shared.requests import Request
 from shared.topics import ASK, expression
 
 OVER = {"force_counts": 400}  # 540 N
@@ -146,7 +147,8 @@ class Query:
 
 
 def seen(bus, *queries):
-    bus.requests_seen.extend(queries)
+    for query in queries:
+        bus._asked(query)
     return [request.verb for request in bus.requests()]
 
 

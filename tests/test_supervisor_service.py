@@ -10,10 +10,10 @@ from services.supervisor import service
 from services.supervisor.answers import Answers
 from services.supervisor.observe import Watch
 from services.supervisor.service import Supervisor
-from shared.bus import Request
 from shared.codec import Received
 from shared.envelope import seal
 from shared.messages import Mode, TripCause
+from shared.requests import Request
 
 
 class Scene:

@@ -2,9 +2,10 @@
 
 from types import SimpleNamespace
 
-from shared.bus import RING, Inbox, Run
+from shared.bus import Run
 from shared.codec import WIRE_VERSION, Header, encode
 from shared.detour import idle
+from shared.inbox import RING, Inbox
 from shared.messages import Command, ControllerState, Mode, Permit
 from shared.topics import BY_KEY, expression
 

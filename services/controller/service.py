@@ -11,7 +11,7 @@ from services.controller.config import ControllerConfig, Reference, controller_p
 from services.controller.preflight import preflight
 from services.controller.step import control_start, control_step
 from services.controller.surroundings import surroundings
-from shared.bus import Bus, Request, Run
+from shared.bus import Bus, Run
 from shared.codec import Received
 from shared.detour import Passage, conditions_of
 from shared.envelope import Envelope, section, unseal
@@ -20,6 +20,7 @@ from shared.messages import About, Command, GateState, Passed
 from shared.process import options_of, parser, serve
 from shared.realtime import follow
 from shared.reception import due, reception, told
+from shared.requests import Request
 
 IDLE = ControllerConfig(target="joint")
 _WAKE_S = 0.1

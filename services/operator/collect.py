@@ -10,8 +10,9 @@ from services.recorder.trip_report import Document
 from services.recorder.trip_ring import TripRing
 from services.recorder.trips import document_of, utc_now
 from services.supervisor.rules import trip_words
-from shared.bus import Bus, Inbox
+from shared.bus import Bus
 from shared.codec import Received
+from shared.inbox import Inbox
 from shared.messages import NO_TRIAL, GateCause, GateState, Mode, TripCause
 from shared.topics import TOPICS
 from shared.units import NS_PER_S

@@ -9,10 +9,11 @@ from services.plant.gate import GateInput, GateMemory, gate_step
 from services.plant.ledger import Ledger
 from services.plant.mailbox import Mailbox
 from services.plant.numbers import numbers
-from shared.bus import Bus, Inbox, same_run
+from shared.bus import Bus, same_run
 from shared.codec import Received
 from shared.converters import N_PER_FORCE_COUNT
 from shared.detour import FOREVER_NS
+from shared.inbox import Inbox
 from shared.messages import NO_COMMAND, NO_TRIAL, GateCause, GateEvent
 from shared.protection import worst
 from shared.reception import reception

@@ -7,13 +7,14 @@ from typing import TYPE_CHECKING, Any
 from services.plant.about import about
 from services.plant.config import PlantConfig
 from services.plant.trial import Schedule
-from shared.bus import Request, Run
+from shared.bus import Run
 from shared.detour import conditions_of
 from shared.envelope import checked, section, unseal
 from shared.faults import MOST_FAULTS, Fault, problem, row_of, ticks_of
 from shared.messages import NO_TRIAL, GateCause
 from shared.realtime import follow
 from shared.reception import told
+from shared.requests import Request
 from shared.units import SUBSTEP_NS
 
 if TYPE_CHECKING:

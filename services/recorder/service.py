@@ -9,9 +9,11 @@ from contextlib import ExitStack
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
-from shared.bus import Bus, BusError, Inbox, Request
+from shared.bus import Bus, BusError
+from shared.inbox import Inbox
 from shared.process import EXIT_OK, EXIT_TRANSPORT, draw_number, parser
 from shared.realtime import die_with_parent
+from shared.requests import Request
 from shared.topics import TOPICS
 
 if TYPE_CHECKING:

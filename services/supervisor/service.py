@@ -13,7 +13,7 @@ from services.supervisor.observe import Links
 from services.supervisor.params import below_gate, supervisor_params
 from services.supervisor.rules import trip_words
 from services.supervisor.step import Asked, SupervisorMemory, supervisor_step
-from shared.bus import Bus, Request, Run, same_run
+from shared.bus import Bus, Run, same_run
 from shared.codec import Received
 from shared.detour import Passage, conditions_of
 from shared.envelope import Envelope, section, unseal
@@ -23,6 +23,7 @@ from shared.process import draw_number, options_of, parser, serve
 from shared.protection import worst
 from shared.realtime import follow
 from shared.reception import due, reception, told
+from shared.requests import Request
 from shared.timeliness import LATE_IN_A_ROW
 from shared.units import NS_PER_S
 
