@@ -159,6 +159,10 @@ class Bus:
         """Requests that have arrived; each wants one answer."""
         return self._requests.take()
 
+    def stops(self) -> list[Request]:
+        """Emergency stops alone: they do not wait for the rest to be served."""
+        return self._requests.stops()
+
     def _asked(self, query: Any) -> None:
         """Transport's callback."""
         self._requests.put(query)

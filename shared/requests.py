@@ -42,24 +42,35 @@ class Requests:
     def __init__(self, cell: str, header: Callable[[Topic], Header]) -> None:
         """None has come; `header` makes that of an answer."""
         self._cell, self._header = cell, header
-        self._waiting: deque[Any] = deque(maxlen=RING)
+        self._stops: deque[Any] = deque(maxlen=RING)
+        self._waiting: deque[Any] = deque()
+        self._others: list[Request] = []  # looked at, and no stops
         self._before: deque[bytes] = deque(maxlen=_REMEMBERED)
 
     def put(self, query: Any) -> None:
-        """An emergency stop goes first and always finds room; of others as many wait as the ring holds."""
+        """An emergency stop always finds room; of others as many wait as the ring holds."""
         if query.payload is not None and _ESTOP in query.payload.to_bytes():
-            self._waiting.appendleft(query)
+            self._stops.append(query)
         elif len(self._waiting) < RING:
             self._waiting.append(query)
 
-    def take(self) -> list[Request]:
-        """Requests that have arrived; each wants one answer. What cannot be served is refused here."""
-        made = []
-        while self._waiting:
-            request = self._request(self._waiting.popleft())
+    def stops(self) -> list[Request]:
+        """Emergency stops that have arrived, and nothing else; each wants one answer."""
+        made: list[Request] = []
+        while self._stops:
+            request = self._request(self._stops.popleft())
             if request is not None:
-                made.append(request)
+                (made if request.verb == "estop" else self._others).append(request)  # the word may stand elsewhere in one
         return made
+
+    def take(self) -> list[Request]:
+        """Requests that have arrived, emergency stops first; each wants one answer. What cannot be served is refused here."""
+        made, others = self.stops(), self._others
+        self._others = []
+        while self._waiting:
+            if (request := self._request(self._waiting.popleft())) is not None:
+                others.append(request)
+        return [*made, *others]
 
     def _request(self, query: Any) -> Request | None:
         key = str(query.key_expr)

@@ -1,26 +1,16 @@
 from types import SimpleNamespace
 
+from wire_scene import CELL, Query
+
 from shared.bus import Bus
-from shared.codec import WIRE_VERSION, Header, encode
 from shared.inbox import RING
-from shared.messages import Ask
-from shared.topics import ASK, expression
-
-CELL = "cell"
-KEY = expression(CELL, f"{ASK.key}/plant")
-
-
-def query(verb, seq):
-    head = Header(WIRE_VERSION, ASK.schema, CELL, 0, b"", "operator", 5, 0, seq, -1, 0)
-    frame = encode(KEY, head, Ask(verb, b"{}"))
-    return SimpleNamespace(key_expr=KEY, payload=SimpleNamespace(to_bytes=lambda: frame))
 
 
 def asked(*verbs):
     """Verbs in the order in which a service that was busy meanwhile serves them."""
     bus = Bus("plant", CELL, 7450, 1)
     for seq, verb in enumerate(verbs):
-        bus._asked(query(verb, seq))
+        bus._asked(Query("plant", verb, seq))
     return [request.verb for request in bus.requests()]
 
 
@@ -36,7 +26,7 @@ def test_a_flood_of_requests_pushes_no_emergency_stop_out_whether_it_comes_befor
     flood = ["status"] * (3 * RING)
     for served in (asked("estop", *flood), asked(*flood, "estop")):
         assert served[0] == "estop"
-        assert len(served) == RING
+        assert len(served) == RING + 1
 
 
 def test_of_a_flood_those_that_came_first_are_served():
@@ -45,7 +35,25 @@ def test_of_a_flood_those_that_came_first_are_served():
 
 def test_a_query_without_a_payload_waits_its_turn_and_is_answered():
     bus, told = Bus("plant", CELL, 7450, 1), []
-    bus._answer = lambda _query, _key: lambda *answer: told.append(answer[1])
-    bus._asked(SimpleNamespace(key_expr=KEY, payload=None))
+    bus._requests._answer = lambda _query, _key: lambda *answer: told.append(answer[1])
+    bus._asked(SimpleNamespace(key_expr="hydrohil/cell/operator/request/plant", payload=None))
     assert bus.requests() == []
     assert told[0].startswith("malformed request")
+
+
+def test_emergency_stops_are_taken_without_the_rest_and_once():
+    bus = Bus("plant", CELL, 7450, 1)
+    for seq, verb in enumerate(("load", "estop", "status", "estop")):
+        bus._asked(Query("plant", verb, seq))
+    assert [request.verb for request in bus.stops()] == ["estop", "estop"]
+    assert bus.stops() == []
+    assert [request.verb for request in bus.requests()] == ["load", "status"]
+
+
+def test_a_flood_of_requests_that_speak_of_a_stop_ends_at_the_ring():
+    bus = Bus("plant", CELL, 7450, 1)
+    for seq in range(3 * RING):
+        bus._asked(Query("plant", "status", seq, '{"said": "\u05e5estop"}'.encode()))
+    assert bus.stops() == []
+    bus._asked(Query("plant", "estop", 3 * RING))
+    assert bus.requests()[0].verb == "estop"

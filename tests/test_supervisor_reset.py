@@ -5,13 +5,12 @@ from types import SimpleNamespace
 import pytest
 from supervisor_scene import sample
 from test_supervisor_service import Scene
-from wire_scene import CELL, header
+from wire_scene import CELL, Query, header
 
 from shared.bus import Bus
-from shared.codec import Received, encode
-from shared.messages import Ask, Mode, TripCause
+from shared.codec import Received
+from shared.messages import Mode, TripCause
 from shared.requests import Request
-from shared.topics import ASK, expression
 
 OVER = {"force_counts": 400}  # 540 N
 
@@ -125,27 +124,6 @@ def test_a_reset_clears_neither_an_arming_nor_a_trial():
     assert scene.supervisor.memory.mode == Mode.RUNNING
 
 
-class Query:
-    """A request as the transport hands it over."""
-
-    key_expr = expression(CELL, f"{ASK.key}/supervisor")
-
-    def __init__(self, verb, seq):
-        head = header("supervisor/permit")._replace(schema=ASK.schema, sender="operator", seq=seq)
-        self.frame = encode(self.key_expr, head, Ask(verb, b"{}"))
-        self.payload = SimpleNamespace(to_bytes=lambda: self.frame)
-        self.replies = []
-
-    def reply(self, key, frame):
-        self.replies.append(frame)
-
-    def __enter__(self):
-        return self
-
-    def __exit__(self, *error):
-        return None
-
-
 def seen(bus, *queries):
     for query in queries:
         bus._asked(query)
@@ -154,22 +132,22 @@ def seen(bus, *queries):
 
 @pytest.mark.parametrize("verb", ["reset", "arm", "start", "recover"])
 def test_a_replayed_request_is_refused_before_anyone_serves_it(verb):
-    bus, replayed = Bus("supervisor", CELL, 7550, 1), Query(verb, 1)
-    assert seen(bus, Query(verb, 1)) == [verb]
+    bus, replayed = Bus("supervisor", CELL, 7550, 1), Query("supervisor", verb, 1)
+    assert seen(bus, Query("supervisor", verb, 1)) == [verb]
     assert seen(bus, replayed) == []
     assert b"came before" in replayed.replies[0]
-    assert seen(bus, Query(verb, 2)) == [verb]
+    assert seen(bus, Query("supervisor", verb, 2)) == [verb]
 
 
 def test_hours_of_questions_do_not_let_an_old_request_act_again():
     bus = Bus("supervisor", CELL, 7550, 1)
-    assert seen(bus, Query("start", 1)) == ["start"]
+    assert seen(bus, Query("supervisor", "start", 1)) == ["start"]
     for seq in range(2, 2000):
-        assert seen(bus, Query("status", seq)) == ["status"]
-    assert seen(bus, Query("start", 1)) == []
+        assert seen(bus, Query("supervisor", "status", seq)) == ["status"]
+    assert seen(bus, Query("supervisor", "start", 1)) == []
 
 
 @pytest.mark.parametrize("verb", ["estop", "status"])
 def test_a_stop_and_a_question_are_never_refused(verb):
     bus = Bus("supervisor", CELL, 7550, 1)
-    assert seen(bus, Query(verb, 1), Query(verb, 1)) == [verb, verb]
+    assert seen(bus, Query("supervisor", verb, 1), Query("supervisor", verb, 1)) == [verb, verb]

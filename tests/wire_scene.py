@@ -6,8 +6,9 @@ from shared.bus import Run
 from shared.codec import WIRE_VERSION, Header, encode
 from shared.detour import idle
 from shared.inbox import RING, Inbox
-from shared.messages import Command, ControllerState, Mode, Permit
-from shared.topics import BY_KEY, expression
+from shared.messages import Ask, Command, ControllerState, Mode, Permit
+from shared.requests import Requests
+from shared.topics import ASK, BY_KEY, expression
 
 CELL = "cell"
 EPOCHS = {"plant": 31, "supervisor": 11, "controller": 22}
@@ -34,6 +35,29 @@ def state_body(number=0, **changes):
     return made._replace(**changes)
 
 
+def ask_header(seq=0, epoch=5):
+    return Header(WIRE_VERSION, ASK.schema, CELL, 0, b"", "operator", epoch, 0, seq, -1, 0)
+
+
+class Query:
+    """A request as the transport hands it over, and the frames that answered it."""
+
+    def __init__(self, service, verb, seq=0, arguments=b"{}", epoch=5):
+        self.key_expr = expression(CELL, f"{ASK.key}/{service}")
+        self.frame = encode(self.key_expr, ask_header(seq, epoch), Ask(verb, arguments))
+        self.payload = SimpleNamespace(to_bytes=lambda: self.frame)
+        self.replies = []
+
+    def reply(self, key, frame):
+        self.replies.append(frame)
+
+    def __enter__(self):
+        return self
+
+    def __exit__(self, *error):
+        return None
+
+
 class FakeBus:
     """Keeps what is published; `send` puts a frame where the transport would."""
 
@@ -43,6 +67,7 @@ class FakeBus:
         self.inboxes = {}
         self.waits_for_room = False
         self.conditions = idle(service)
+        self.asked = Requests(CELL, lambda topic: ask_header()._replace(schema=topic.schema, sender=service))
 
     def subscribe(self, key, depth=RING):
         self.inboxes[key] = Inbox(BY_KEY[key], CELL, depth, lambda: None)
@@ -57,7 +82,10 @@ class FakeBus:
         self.published.append((key, body, echo))
 
     def requests(self):
-        return []
+        return self.asked.take()
+
+    def stops(self):
+        return self.asked.stops()
 
     def of(self, key):
         return [body for topic, body, _ in self.published if topic == key]

@@ -73,9 +73,11 @@ class Plant:
         if tick == self.schedule.first_tick:
             self._begin_trial()
         reading = self.device.read()
-        keeper, gate = self.keeper, self.keeper.gate
+        keeper = self.keeper
         keeper.force_counts = reading.force_counts
         keeper.ledger.issue(number, time_ns, self.now_ns())
+        self._heed_stops()  # before the sample is made, so that it tells
+        gate = keeper.gate
         sample = Sample(
             number,
             time_ns,
@@ -120,6 +122,7 @@ class Plant:
         self._advance_to(latch)
         self.keeper.late_substeps = 0
         self._count()
+        self._heed_stops()
         self.keeper.judge(self.now_ns(), at_latch=True)
         self._follow_permit()
         if self._truth is not None:  # after the latch: the command's way is free until then
@@ -213,6 +216,11 @@ class Plant:
             self.tell_about()
         if self.lease.chosen and late_ns > self.keeper.limits.permit_ttl_ns:
             self.keeper.judge(self.now_ns(), at_latch=False, overslept=True)
+
+    def _heed_stops(self) -> None:
+        """An emergency stop waits for the next sample or latch at most; a load, which takes long, for its turn."""
+        for request in self.bus.stops():
+            answer(self, request)
 
     def serve(self) -> None:
         """Answer what was asked since the last sample."""
