@@ -48,8 +48,12 @@ OPERATOR = (
         (
             Lived("three resets while the plant is frozen", reset_refused, most=5),
             Proved(
-                "a reset is refused while the cause stands",
-                ("tests/test_supervisor_step.py::test_a_reset_is_refused_while_the_cause_stands_and_clears_it_afterwards",),
+                "a reset is refused while the cause stands, when it is replayed, and when it was meant for an earlier start",
+                (
+                    "tests/test_supervisor_step.py::test_a_reset_is_refused_while_the_cause_stands_and_clears_it_afterwards",
+                    "tests/test_shared_requests.py::test_a_replayed_request_is_refused_before_anyone_serves_it",
+                    "tests/test_shared_requests.py::test_a_request_that_was_recorded_before_a_restart_has_no_effect_after_it",
+                ),
             ),
         ),
     ),

@@ -18,7 +18,7 @@ from shared.codec import WIRE_VERSION, Header, Received, decode, encode
 from shared.detour import Conditions, idle
 from shared.inbox import RING, Inbox
 from shared.messages import NO_COMMAND, Answer, Ask
-from shared.requests import Request, Requests
+from shared.requests import REPEATABLE, TO, Request, Requests
 from shared.topics import ANSWER, ASK, BY_KEY, Topic, expression
 
 LISTENERS = ("plant", "controller", "supervisor", "recorder")  # offset from the cell's first port
@@ -60,7 +60,8 @@ class Bus:
         """Nothing is opened before the `with`."""
         self.identity = Identity(cell, service, epoch)
         self.run = Run()
-        self._requests = Requests(cell, self._header)
+        self._requests = Requests(cell, epoch, self._header)
+        self._starts: dict[str, int] = {}  # epoch of each service that has answered
         self.waits_for_room = False  # instead of dropping: in lockstep nothing may be lost to a slow reader
         self.conditions = idle(service)
         self._inboxes: list[Inbox] = []
@@ -169,14 +170,28 @@ class Bus:
         self.wake()
 
     def ask(self, service: str, verb: str, arguments: dict[str, Any], timeout_s: float = 2.0) -> Answer | None:
-        """The answer of `service`, or None if nobody gives one in time."""
+        """The answer of `service`, or None if nobody gives one in time.
+
+        What acts is meant for the start of the service that answered last; the first such request asks for it.
+        """
+        if verb not in REPEATABLE:
+            if service not in self._starts and self._put(service, "status", {}, timeout_s) is None:
+                return None
+            arguments = arguments | {TO: self._starts[service]}
+        return self._put(service, verb, arguments, timeout_s)
+
+    def _put(self, service: str, verb: str, arguments: dict[str, Any], timeout_s: float) -> Answer | None:
         key = expression(self.identity.cell, f"{ASK.key}/{service}")
         frame = encode(key, self._header(ASK), Ask(verb, json.dumps(arguments).encode()))
         for reply in self._session.get(key, payload=frame, timeout=timeout_s):
             if reply.ok is None:
                 return None
             answer = decode(key, ANSWER, self.identity.cell, reply.ok.payload.to_bytes(), time.monotonic_ns())
-            return answer.body if isinstance(answer, Received) else None
+            if not isinstance(answer, Received):
+                return None
+            self._starts[service] = answer.header.epoch
+            body: Answer = answer.body
+            return body
         return None
 
     def alive(self, timeout_s: float = 1.0) -> set[str]:

@@ -1,6 +1,9 @@
-"""What an operator asks of a service: requests that wait, the one answer that each gets, and none of them twice."""
+"""What an operator asks of a service: requests that wait, the one answer that each gets, and none of them twice.
 
-import hashlib
+A request names the start of the service that it is meant for, its epoch, which every answer tells: what was recorded before
+a restart has no effect after it. Within one start the numbers of each operator's session only rise.
+"""
+
 import json
 import time
 from collections import deque
@@ -12,8 +15,9 @@ from shared.inbox import RING
 from shared.messages import Answer
 from shared.topics import ANSWER, ASK, Topic
 
-_REMEMBERED = 1024  # digests of frames; each names its sender's start and number, so that none comes twice by itself
-_REPEATABLE = ("estop", "status")  # a stop is never refused; a question changes nothing, and must not push out what does
+TO = "to"  # argument of every request that acts: epoch of the service that it is meant for
+REPEATABLE = ("estop", "status")  # a stop is never refused, and a question changes nothing
+MOST_SESSIONS = 1 << 16  # of operators in one start, 10 MB; forgetting one would let its requests act again
 _ESTOP = b"\xa5estop"  # the verb as it stands in a frame: MessagePack text of five bytes
 
 
@@ -39,13 +43,13 @@ class Requests:
     A query has `key_expr`, `payload` and `reply(key, frame)`, and ends with its `with`.
     """
 
-    def __init__(self, cell: str, header: Callable[[Topic], Header]) -> None:
-        """None has come; `header` makes that of an answer."""
-        self._cell, self._header = cell, header
+    def __init__(self, cell: str, epoch: int, header: Callable[[Topic], Header]) -> None:
+        """None has come; `epoch` is the service's own, `header` makes that of an answer."""
+        self._cell, self._epoch, self._header = cell, epoch, header
         self._stops: deque[Any] = deque(maxlen=RING)
         self._waiting: deque[Any] = deque()
         self._others: list[Request] = []  # looked at, and no stops
-        self._before: deque[bytes] = deque(maxlen=_REMEMBERED)
+        self._newest: dict[int, int] = {}  # number of the newest request that acted, by the asker's epoch
 
     def put(self, query: Any) -> None:
         """An emergency stop always finds room; of others as many wait as the ring holds."""
@@ -85,12 +89,23 @@ class Requests:
             arguments = None
         if not isinstance(arguments, dict):
             return answer(False, "malformed request: the arguments are no JSON object", {})
-        if asked.body.verb not in _REPEATABLE:
-            digest = hashlib.sha256(payload).digest()
-            if digest in self._before:
-                return answer(False, "this request came before, byte for byte: a replay has no effect", {})
-            self._before.append(digest)
+        to = arguments.pop(TO, None)
+        if asked.body.verb not in REPEATABLE and (what := self._stale(asked.header, to)):
+            return answer(False, what, {})
         return Request(asked.body.verb, arguments, answer)
+
+    def _stale(self, header: Header, to: Any) -> str:
+        """Why a request must not act, one line; "" if it is meant for this start and new, and from now on it is not."""
+        if type(to) is not int:
+            return "it names no start of this service: ask for `status`, and give the epoch of that answer as argument `to`"
+        if to != self._epoch:
+            return "it is meant for another start of this service, which has started anew since: see `hydrohil status`, ask again"
+        if header.seq <= self._newest.get(header.epoch, -1):
+            return "this request, or a later one of the same session, came before: a replay has no effect"
+        if header.epoch not in self._newest and len(self._newest) >= MOST_SESSIONS:
+            return f"{MOST_SESSIONS} sessions have asked since this service started, and no more are told apart: start it anew"
+        self._newest[header.epoch] = header.seq
+        return ""
 
     def _answer(self, query: Any, key: str) -> Callable[[bool, str, dict[str, Any]], None]:
         def answer(accepted: bool, reason: str, values: dict[str, Any]) -> None:

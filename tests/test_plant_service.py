@@ -161,7 +161,7 @@ def test_what_is_no_emergency_stop_keeps_the_way_of_sample_and_command_free(monk
 
 def test_a_request_that_only_speaks_of_a_stop_keeps_its_turn(monkeypatch):
     scene = Scene(monkeypatch)
-    query = Query("plant", "load", arguments='{"envelope": "\u05e5estop"}'.encode())
+    query = Query("plant", "load", envelope="\u05e5estop")
     scene.bus.asked.put(query)
     scene.plant.sample()
     scene.plant.latch()

@@ -216,9 +216,9 @@ def test_the_foreign_controller_echoes_the_hash_of_a_load(still: SimpleNamespace
     controller = still.Still(CELL)
     key = expression(CELL, f"{ASK.key}/controller")
 
-    def ask(verb: str, **arguments: str) -> Any:
+    def ask(verb: str, to: int = controller.epoch, **arguments: str) -> Any:
         header = Header(WIRE_VERSION, ASK.schema, CELL, 0, b"", "operator", 9, 0, 0, -1, 0)
-        frame = encode(key, header, (verb, json.dumps(arguments).encode()))
+        frame = encode(key, header, (verb, json.dumps({"to": to, **arguments}).encode()))
         answer = decode(key, ANSWER, CELL, controller.answer_request(key, frame), 0)
         assert isinstance(answer, Received), answer
         return answer.body
@@ -226,6 +226,7 @@ def test_the_foreign_controller_echoes_the_hash_of_a_load(still: SimpleNamespace
     loaded = ask("load", envelope='{"run": 7, "clock": "lockstep"}')
     digest = json.loads(loaded.values)["digest"]
     assert ask("commit", digest="00").accepted == 0
+    assert ask("commit", to=controller.epoch + 1, digest=digest).accepted == 0
     assert ask("commit", digest=digest).accepted == 1
     header = read("controller/command", controller.answer_sample(sample_frame())[0]).header
     assert (header.run, header.experiment.hex()) == (7, digest)

@@ -1,6 +1,6 @@
 from types import SimpleNamespace
 
-from wire_scene import CELL, Query
+from wire_scene import CELL, EPOCHS, Query
 
 from shared.bus import Bus
 from shared.inbox import RING
@@ -8,7 +8,7 @@ from shared.inbox import RING
 
 def asked(*verbs):
     """Verbs in the order in which a service that was busy meanwhile serves them."""
-    bus = Bus("plant", CELL, 7450, 1)
+    bus = Bus("plant", CELL, 7450, EPOCHS["plant"])
     for seq, verb in enumerate(verbs):
         bus._asked(Query("plant", verb, seq))
     return [request.verb for request in bus.requests()]
@@ -34,7 +34,7 @@ def test_of_a_flood_those_that_came_first_are_served():
 
 
 def test_a_query_without_a_payload_waits_its_turn_and_is_answered():
-    bus, told = Bus("plant", CELL, 7450, 1), []
+    bus, told = Bus("plant", CELL, 7450, EPOCHS["plant"]), []
     bus._requests._answer = lambda _query, _key: lambda *answer: told.append(answer[1])
     bus._asked(SimpleNamespace(key_expr="hydrohil/cell/operator/request/plant", payload=None))
     assert bus.requests() == []
@@ -42,7 +42,7 @@ def test_a_query_without_a_payload_waits_its_turn_and_is_answered():
 
 
 def test_emergency_stops_are_taken_without_the_rest_and_once():
-    bus = Bus("plant", CELL, 7450, 1)
+    bus = Bus("plant", CELL, 7450, EPOCHS["plant"])
     for seq, verb in enumerate(("load", "estop", "status", "estop")):
         bus._asked(Query("plant", verb, seq))
     assert [request.verb for request in bus.stops()] == ["estop", "estop"]
@@ -51,9 +51,9 @@ def test_emergency_stops_are_taken_without_the_rest_and_once():
 
 
 def test_a_flood_of_requests_that_speak_of_a_stop_ends_at_the_ring():
-    bus = Bus("plant", CELL, 7450, 1)
+    bus = Bus("plant", CELL, 7450, EPOCHS["plant"])
     for seq in range(3 * RING):
-        bus._asked(Query("plant", "status", seq, '{"said": "\u05e5estop"}'.encode()))
+        bus._asked(Query("plant", "status", seq, said="\u05e5estop"))
     assert bus.stops() == []
     bus._asked(Query("plant", "estop", 3 * RING))
     assert bus.requests()[0].verb == "estop"

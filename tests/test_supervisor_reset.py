@@ -2,12 +2,10 @@
 
 from types import SimpleNamespace
 
-import pytest
 from supervisor_scene import sample
 from test_supervisor_service import Scene
-from wire_scene import CELL, Query, header
+from wire_scene import header
 
-from shared.bus import Bus
 from shared.codec import Received
 from shared.messages import Mode, TripCause
 from shared.requests import Request
@@ -122,32 +120,3 @@ def test_a_reset_clears_neither_an_arming_nor_a_trial():
     scene.ask("start")
     assert not scene.ask("reset")[0]
     assert scene.supervisor.memory.mode == Mode.RUNNING
-
-
-def seen(bus, *queries):
-    for query in queries:
-        bus._asked(query)
-    return [request.verb for request in bus.requests()]
-
-
-@pytest.mark.parametrize("verb", ["reset", "arm", "start", "recover"])
-def test_a_replayed_request_is_refused_before_anyone_serves_it(verb):
-    bus, replayed = Bus("supervisor", CELL, 7550, 1), Query("supervisor", verb, 1)
-    assert seen(bus, Query("supervisor", verb, 1)) == [verb]
-    assert seen(bus, replayed) == []
-    assert b"came before" in replayed.replies[0]
-    assert seen(bus, Query("supervisor", verb, 2)) == [verb]
-
-
-def test_hours_of_questions_do_not_let_an_old_request_act_again():
-    bus = Bus("supervisor", CELL, 7550, 1)
-    assert seen(bus, Query("supervisor", "start", 1)) == ["start"]
-    for seq in range(2, 2000):
-        assert seen(bus, Query("supervisor", "status", seq)) == ["status"]
-    assert seen(bus, Query("supervisor", "start", 1)) == []
-
-
-@pytest.mark.parametrize("verb", ["estop", "status"])
-def test_a_stop_and_a_question_are_never_refused(verb):
-    bus = Bus("supervisor", CELL, 7550, 1)
-    assert seen(bus, Query("supervisor", verb, 1), Query("supervisor", verb, 1)) == [verb, verb]

@@ -272,7 +272,7 @@ class Query:
         self.replies.append((key, frame))
 
 
-ARGUMENTS = (b"", b"[]", b"{", b"5", b"[" * 3000, b"\xff\xfe", b'{"a": 1}')
+ARGUMENTS = (b"", b"[]", b"{", b"5", b"[" * 3000, b"\xff\xfe", b'{"a": 1}', b'{"a": 1, "to": 1}')
 
 
 def request_complaint(rng: random.Random) -> str:

@@ -1,5 +1,6 @@
 """Frames as senders make them, and a bus without a network."""
 
+import json
 from types import SimpleNamespace
 
 from shared.bus import Run
@@ -42,9 +43,10 @@ def ask_header(seq=0, epoch=5):
 class Query:
     """A request as the transport hands it over, and the frames that answered it."""
 
-    def __init__(self, service, verb, seq=0, arguments=b"{}", epoch=5):
+    def __init__(self, service, verb, seq=0, epoch=5, **arguments):
         self.key_expr = expression(CELL, f"{ASK.key}/{service}")
-        self.frame = encode(self.key_expr, ask_header(seq, epoch), Ask(verb, arguments))
+        said = json.dumps({"to": EPOCHS[service]} | arguments, ensure_ascii=False).encode()
+        self.frame = encode(self.key_expr, ask_header(seq, epoch), Ask(verb, said))
         self.payload = SimpleNamespace(to_bytes=lambda: self.frame)
         self.replies = []
 
@@ -67,7 +69,7 @@ class FakeBus:
         self.inboxes = {}
         self.waits_for_room = False
         self.conditions = idle(service)
-        self.asked = Requests(CELL, lambda topic: ask_header()._replace(schema=topic.schema, sender=service))
+        self.asked = Requests(CELL, EPOCHS[service], lambda topic: ask_header()._replace(schema=topic.schema, sender=service))
 
     def subscribe(self, key, depth=RING):
         self.inboxes[key] = Inbox(BY_KEY[key], CELL, depth, lambda: None)
