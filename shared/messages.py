@@ -136,7 +136,7 @@ class Sample(NamedTuple):
     trial_time_ns: int  # simulated time since tick 0
     encoder_counts: EncoderCounts  # rotate, down/up, out/in, roll, pitch
     force_counts: int
-    dac_counts: LinkCounts  # in force at this instant
+    dac_counts: LinkCounts  # as the gate has written them, in force at this instant; a converter that is stuck drives others
     gate: int
     gate_cause: int
     gate_open_samples: int  # samples since the gate opened

@@ -155,16 +155,31 @@ def test_a_fault_by_hand_shows_in_the_readings_alone_and_the_truth_stays_true(sc
     assert [emulator.faults()[0], emulator.faults()[1]] == [(), ()]
 
 
-def test_a_stuck_converter_holds_its_code_until_its_watchdog_falls(scene):
+def test_a_stuck_converter_holds_its_code_against_its_watchdog_and_the_others_go_to_zero(scene):
     timeline, emulator = scene
-    emulator.write(MOVING)
+    emulator.write((2100, 2048, 2700))
     emulator.inject(Fault("stuck", "dac_out_in"))
     timeline.number, timeline.substep = 1, 90
     emulator.read()
-    timeline.substep = 162
+    seen = at(scene, WATCHDOG + 100)
+    assert (seen.q_rad, seen.spool_a) == expected(((2100, 2048, 2700), WATCHDOG), (MOVING, 100))
+    assert emulator.readback() == MOVING
+
+
+def test_what_drives_the_valves_can_be_read_back_be_it_written_stuck_or_the_watchdogs(scene):
+    timeline, emulator = scene
+    emulator.read()  # what acts is looked up when the machine is read: nothing does
+    emulator.write(MOVING)
+    timeline.substep = WATCHDOG
+    assert emulator.readback() == MOVING
+    timeline.substep = WATCHDOG + 1
+    assert emulator.readback() == ZERO
+    emulator.write(MOVING)
+    emulator.inject(Fault("stuck", "dac_out_in"))
+    timeline.number += 1
+    emulator.read()
     emulator.write(ZERO)
-    seen = at(scene, 162 + WATCHDOG + 100)
-    assert (seen.q_rad, seen.spool_a) == expected((MOVING, 162 + WATCHDOG), (ZERO, 100))
+    assert emulator.readback() == MOVING
 
 
 def test_what_only_the_bus_or_the_operator_can_break_is_no_matter_of_the_machine(scene):

@@ -20,7 +20,7 @@ class Machine:
     """A device that is told of faults; `reason` is why it takes none."""
 
     def __init__(self, reason=""):
-        self.reason, self.injected = reason, []
+        self.reason, self.injected, self.driven = reason, [], None
 
     def refuses(self, faults):
         return self.reason if faults else ""
@@ -33,6 +33,9 @@ class Machine:
 
     def faults(self):
         return tuple(self.injected), ()
+
+    def readback(self):
+        return self.driven
 
 
 def plant(device):
@@ -125,10 +128,13 @@ def test_a_lockstep_commit_after_an_injection_is_refused_before_anything_is_load
     assert machine.schedule is before
 
 
-def test_an_emergency_stop_is_judged_by_the_plants_own_clock():
+@pytest.mark.parametrize("driven", [None, (2048, 2048, 2700)])
+def test_an_emergency_stop_is_judged_by_the_plants_own_clock_and_tells_what_drives_the_valves(driven):
     machine, told, judged = plant(Machine()), [], []
+    machine.device.driven = driven
     machine.keeper.judge = lambda now_ns, at_latch: judged.append(now_ns)
     machine.keeper.gate.codes = (2048, 2048, 2048)
     machine.now_ns = lambda: 123
     answer(machine, Request("estop", {}, lambda *given: told.append(given)))
-    assert machine.keeper.estop and judged == [123] and told[0][0]
+    assert machine.keeper.estop and judged == [123]
+    assert told == [(True, "", {"dac_counts": [2048] * 3, "dac_readback": driven and list(driven)})]

@@ -59,6 +59,9 @@ class Device:
         if codes != self.written[-1][1]:
             self.written.append((self.timeline.substep, codes))
 
+    def readback(self):
+        return None
+
     def truth(self):
         return None
 

@@ -89,8 +89,12 @@ def status(cell: CellName = "cell", port: Port = DEFAULT_PORT, as_json: AsJson =
 
 @app.command()
 def estop(cell: CellName = "cell", port: Port = DEFAULT_PORT) -> None:
-    """Emergency stop at gate and supervisor; either alone suffices. Exit 5 unless the plant reports zero current."""
+    """Emergency stop at gate and supervisor; either alone suffices.
+
+    Exit 5 unless the plant reports zero current, and reads it back at the D/A where that is possible.
+    """
     from services.operator import cell as cells
+    from services.operator.emergency import outcome
 
     try:
         with cells.operator_bus(cells.Place(cell, port)) as bus:
@@ -99,9 +103,10 @@ def estop(cell: CellName = "cell", port: Port = DEFAULT_PORT) -> None:
             bus.ask("supervisor", "estop", {}, 1.0)
     except cells.CellError as error:
         raise fail(f"NOT CONFIRMED: {error}", EXIT_TRANSPORT) from None
-    if at_gate is None or not at_gate.accepted or json.loads(at_gate.values)["dac_counts"] != [2048, 2048, 2048]:
-        raise fail("NOT CONFIRMED: the plant has not reported zero current; cut the hydraulic supply", EXIT_TRANSPORT)
-    console.print("stopped: the plant reports zero current; `hydrohil reset` when the cause is gone")
+    confirmed, told = outcome(at_gate)
+    if not confirmed:
+        raise fail(told, EXIT_TRANSPORT)
+    console.print(told, highlight=False, soft_wrap=True)
 
 
 @app.command()
@@ -193,11 +198,15 @@ def _faults(found: dict[str, Any] | None) -> str:
 def _words(service: str, found: dict[str, Any] | None) -> str:
     if found is None:
         return "[red]does not answer[/]"
+    from services.operator.emergency import drives
+
     if service == "supervisor":
         return "\n".join([f"{found['mode']}  {found['words']}", *(f"[yellow]{line}[/]" for line in found["warnings"])])
     if service == "plant":
         gate = "open" if found["gate"] == GateState.OPEN else f"shut: {found['gate_cause']}"
-        return f"sample {found['number']}, gate {gate}, lease {found['lease_ms']} ms"
+        driven = found.get("dac_readback") or found["dac_counts"]
+        held = f"\n[red]the gate has let other codes through, but {drives(driven)}[/]" if driven != found["dac_counts"] else ""
+        return f"sample {found['number']}, gate {gate}, lease {found['lease_ms']} ms{held}"
     if service == "controller":
         return f"law {found['law']}, {found['answered']} samples answered"
     recording = str(found.get("recording", {}).get("path") or "no recording open")

@@ -47,6 +47,9 @@ class Device(Protocol):
     def write(self, codes: LinkCounts) -> None:
         """Codes to the D/A now."""
 
+    def readback(self) -> LinkCounts | None:
+        """Codes that drive the valves now, read at the D/A's output; None where that cannot be read."""
+
     def inject(self, fault: Fault) -> None:
         """Break from the next sample on, `at_s` later; only what it does not refuse is asked."""
 

@@ -26,6 +26,7 @@ class Emulator:
 
     Only the sub-steps are compiled: reading once a sample costs less plain than a call into compiled code.
     Its D/A has the output watchdog that a DAQ needs: not written for `watchdog_substeps`, it goes to zero by itself.
+    Its output can be read back.
     Faults act from one reading to the next; without any it is the sound machine and nothing else.
     """
 
@@ -88,9 +89,12 @@ class Emulator:
     def write(self, codes: LinkCounts) -> None:
         """Codes to the D/A at the timeline's sub-step."""
         self._play()
-        if self._table:
-            codes = faulty_codes(self._table, self._now, codes, self._codes)
-        self._codes, self._written_at = codes, self._timeline.substep
+        self._codes, self._written_at = self._driven(codes), self._timeline.substep
+
+    def readback(self) -> LinkCounts:
+        """What stands at the D/A's output at the timeline's sub-step."""
+        self._play()
+        return self._codes
 
     def inject(self, fault: Fault) -> None:
         """One fault by hand; `at_s` counts from the next sample."""
@@ -115,8 +119,12 @@ class Emulator:
         expires = max(self._written_at + self._watchdog, self._at)
         if expires < now:
             self._run_to(expires)
-            self._codes = _ZERO
+            self._codes = self._driven(_ZERO)
         self._run_to(now)
+
+    def _driven(self, codes: LinkCounts) -> LinkCounts:
+        """The D/A's output when it is given `codes`: one that is stuck holds what it has, against its watchdog too."""
+        return faulty_codes(self._table, self._now, codes, self._codes) if self._table else codes
 
     def _run_to(self, substep: int) -> None:
         if substep > self._at:

@@ -90,7 +90,13 @@ def _commit(plant: "Plant", request: Request) -> None:
 def _estop(plant: "Plant", request: Request) -> None:
     plant.keeper.estop = True
     plant.keeper.judge(plant.now_ns(), at_latch=False)
-    request.reply({"dac_counts": list(plant.keeper.gate.codes)})
+    request.reply(_codes(plant))
+
+
+def _codes(plant: "Plant") -> dict[str, Any]:
+    """What the gate gives, and what drives the valves; null where the device cannot read that."""
+    driven = plant.device.readback()
+    return {"dac_counts": list(plant.keeper.gate.codes), "dac_readback": None if driven is None else list(driven)}
 
 
 def _reset(plant: "Plant", request: Request) -> None:
@@ -136,7 +142,7 @@ def _status(plant: "Plant", request: Request) -> None:
             "pid": os.getpid(),
             "gate": keeper.gate.state,
             "gate_cause": GateCause(keeper.gate.cause).name,
-            "dac_counts": list(keeper.gate.codes),
+            **_codes(plant),
             "last_cut": GateCause(keeper.last_cut).name,
             "burned_armings": len(keeper.burned),
             "estop": keeper.estop,
