@@ -3,7 +3,7 @@
 import hashlib
 import json
 import tomllib
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from pathlib import Path
 from typing import Annotated, Any, NamedTuple
 
@@ -17,10 +17,11 @@ from services.controller.checks import check
 from services.controller.config import ControllerConfig, Reference
 from services.controller.preflight import preflight
 from services.controller.surroundings import surroundings
-from services.plant.config import PlantConfig, latch_substeps
+from services.plant.config import PlantConfig, latch_substeps, trial_ticks
 from services.plant.params import contact_params
 from services.supervisor.config import SupervisorConfig
-from shared.faults import Fault, problem
+from shared.faults import Fault, trial_problems
+from shared.units import SUBSTEP_NS
 
 Name = Annotated[str, StringConstraints(pattern=r"^[a-z0-9]+(-[a-z0-9]+)*$")]
 MAX_DURATION_S = 3600.0
@@ -62,21 +63,23 @@ def from_plain(plain: Any, where: str) -> Experiment:
         experiment = _ADAPTER.validate_json(data, strict=True)
     except ValidationError as refused:
         raise from_validation(where, refused.errors(), Experiment) from None
-    return checked(experiment, where)
+    return checked(experiment, where, plain.get("faults", ()) if isinstance(plain, dict) else None)
 
 
-def checked(experiment: Experiment, where: str) -> Experiment:
-    """`experiment`, if its sections agree with each other. Raises ExperimentError."""
+def checked(experiment: Experiment, where: str, written_faults: Sequence[Any] | None = None) -> Experiment:
+    """`experiment`, if its sections agree with each other. Raises ExperimentError.
+
+    `written_faults` are its faults before their defaults: only these show that a value was left out.
+    """
     found = [
         f"{where}: claims.{number}.{field} {what}; correct the claim"
         for number, claim in enumerate(experiment.claims)
         for field, what in problems(claim, experiment.duration_s)
     ]
-    found += [
-        f"{where}: faults.{number}: {what}; correct the fault"
-        for number, fault in enumerate(experiment.faults)
-        if (what := problem(fault))
-    ]
+    plant, faults = experiment.plant, experiment.faults
+    period_ns, ticks = plant.sample_period_substeps * SUBSTEP_NS, trial_ticks(plant, experiment.duration_s)
+    broken = trial_problems(faults if written_faults is None else written_faults, faults, period_ns, ticks)
+    found += [f"{where}: {what}; correct the fault" for what in broken]
     found += [f"{where}: {reason}" for reason in _section_problems(experiment)]
     if found:
         raise ExperimentError(found)

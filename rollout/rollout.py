@@ -10,7 +10,7 @@ from rollout.cell import Columns, Setup, columns, play
 from services.controller.config import controller_params, segment_table
 from services.controller.step import control_start
 from services.plant.about import about
-from services.plant.config import GateLimits, PlantConfig, bias_ticks, latch_substeps
+from services.plant.config import GateLimits, PlantConfig, bias_ticks, latch_substeps, trial_ticks
 from services.plant.faults import COLUMNS, fault_row
 from services.plant.gate import GateMemory
 from services.plant.machine import machine_start
@@ -40,7 +40,7 @@ _compiled: dict[str, Any] = {}
 
 def duration_ticks(duration_s: float, plant: PlantConfig) -> int:
     """Samples from tick 0 to the end of the experiment."""
-    return round(duration_s * NS_PER_S / (plant.sample_period_substeps * SUBSTEP_NS))
+    return trial_ticks(plant, duration_s)[1]
 
 
 def fault_table(experiment: Experiment, seed: int) -> Any:

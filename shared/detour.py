@@ -10,7 +10,7 @@ from collections.abc import Callable
 from typing import NamedTuple
 
 from shared.codec import Received, Rejected
-from shared.envelope import Envelope, faults
+from shared.envelope import PERIOD_SUBSTEPS, Envelope, faults, period_substeps
 from shared.faults import Fault, ticks_of
 from shared.impairment import SAMPLE, Active, Fate, Route, both, fate, fate_now, flip, on_path, paths_of, route_of
 from shared.messages import NO_COMMAND, NO_TRIAL, Passed
@@ -20,7 +20,6 @@ from shared.units import SUBSTEP_NS
 Frame = Received | Rejected
 Acting = dict[str, tuple[Active, ...]]  # by path
 FOREVER_NS = 1 << 62
-_PERIOD = 90  # sub-steps: the plant's default, for a load that does not say
 
 
 class Held(NamedTuple):
@@ -147,7 +146,7 @@ class Conditions:
 
 def idle(service: str) -> Conditions:
     """Before anything is loaded."""
-    return Conditions(service, (), seed=0, period=_PERIOD, ticks=(0, 0), lockstep=False)
+    return Conditions(service, (), seed=0, period=PERIOD_SUBSTEPS, ticks=(0, 0), lockstep=False)
 
 
 def conditions_of(envelope: Envelope, before: Conditions) -> Conditions:
@@ -162,22 +161,13 @@ def conditions_of(envelope: Envelope, before: Conditions) -> Conditions:
         before.service,
         acting,
         seed=envelope.seed,
-        period=_period(envelope),
+        period=period_substeps(envelope),
         ticks=(-envelope.bias_ticks, envelope.duration_ticks),
         lockstep=envelope.clock == "lockstep",
     )
     made.see(before.number, before.tick)
     made.inject(before.lasting())
     return made
-
-
-def _period(envelope: Envelope) -> int:
-    """Sub-steps of the plant's nominal period; its section is the plant's to judge, this alone is everybody's."""
-    plant = envelope.experiment.get("plant", {})
-    period = plant.get("sample_period_substeps", _PERIOD) if isinstance(plant, dict) else _PERIOD
-    if type(period) is not int or period < 1:
-        raise ValueError(f"plant.sample_period_substeps is {period!r}, expected a whole number of sub-steps")
-    return period
 
 
 class Detour:

@@ -6,9 +6,11 @@ from typing import Any, NamedTuple
 
 from pydantic import ConfigDict, TypeAdapter, ValidationError
 
-from shared.faults import Fault, Group, of_group, problem
+from shared.faults import Fault, Group, has_value, of_group, trial_problems, value_missing
+from shared.units import SUBSTEP_NS
 
 CLOCKS = ("real", "lockstep")
+PERIOD_SUBSTEPS = 90  # the plant's default, for a load that does not say
 _LARGEST = {"run": 2**63 - 1, "seed": 2**64 - 1, "bias_ticks": 10_000, "duration_ticks": 3_600_000}  # 10 s and 1 h at 1 kHz
 
 
@@ -62,13 +64,31 @@ def section(envelope: Envelope, name: str, kind: Any) -> Any:
     return checked(envelope.experiment.get(name, {}), name, kind)
 
 
+def period_substeps(envelope: Envelope) -> int:
+    """Nominal period; its section is the plant's to judge, this alone is everybody's. Raises ValueError."""
+    plant = envelope.experiment.get("plant", {})
+    period = plant.get("sample_period_substeps", PERIOD_SUBSTEPS) if isinstance(plant, dict) else PERIOD_SUBSTEPS
+    if type(period) is not int or period < 1:
+        raise ValueError(f"plant.sample_period_substeps is {period!r}, expected a whole number of sub-steps")
+    return period
+
+
 def faults(envelope: Envelope, *groups: Group) -> tuple[Fault, ...]:
     """The experiment's faults of these groups; raises ValueError with one line if any fault cannot be played on its clock."""
-    every: tuple[Fault, ...] = checked(envelope.experiment.get("faults", []), "faults", tuple[Fault, ...])
-    for number, fault in enumerate(every):
-        if what := problem(fault, envelope.clock):
-            raise ValueError(f"faults.{number}: {what}")
+    written = envelope.experiment.get("faults", [])
+    every: tuple[Fault, ...] = checked(written, "faults", tuple[Fault, ...])
+    ticks = (-envelope.bias_ticks, envelope.duration_ticks)
+    if found := trial_problems(written, every, period_substeps(envelope) * SUBSTEP_NS, ticks, envelope.clock):
+        raise ValueError(found[0])
     return of_group(every, *groups)
+
+
+def one_fault(plain: Any) -> Fault:
+    """The fault that a request asks for; raises ValueError with one line, also where its value is not given."""
+    fault: Fault = checked(plain, "fault", Fault)
+    if not has_value(plain) and (what := value_missing(fault)):
+        raise ValueError(what)
+    return fault
 
 
 def checked(plain: Any, name: str, kind: Any) -> Any:

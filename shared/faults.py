@@ -5,7 +5,8 @@ that are its own: the emulated machine sensors and actuators, the receiving bus 
 """
 
 import math
-from typing import Annotated, Literal, NamedTuple
+from collections.abc import Sequence
+from typing import Annotated, Any, Literal, NamedTuple
 
 from annotated_types import Interval
 
@@ -23,7 +24,7 @@ CUTS = ("plant-controller", "plant-supervisor", "controller-supervisor")  # both
 PROCESSES = ("plant", "controller", "supervisor", "recorder")
 COUNTED = ("counts", "messages", "processes")  # units that come whole
 FOR_EVER = 2**31  # later than any tick
-MOST_FAULTS = 32  # by hand in one service at once: each costs a few us a sample
+MOST_FAULTS = 32  # of a trial, and by hand in one service at once: each costs a few us a sample
 _EVERY, _ON_THE_BUS, _LIVE = ("local", "lockstep", "real"), ("lockstep", "real"), ("real",)
 
 
@@ -125,12 +126,44 @@ def ticks_of(fault: Fault, period_ns: int) -> tuple[int, int]:
 
 
 def value_missing(fault: Fault) -> str:
-    """What to give where an operator gave no value, one line; "" if this fault takes none, or is not known."""
+    """What to give where nobody gave a value, one line; "" if this fault takes none, or is not known."""
     try:
         row = row_of(fault)
     except LookupError:
         return ""
     return f"value of {row.kind} is missing, expected {row.low:g}..{row.high:g} {row.unit}" if row.unit else ""
+
+
+def has_value(written: Any) -> bool:
+    """Whether a fault as it was written, before its defaults, says how much."""
+    return "value" in written if isinstance(written, dict) else len(written) > Fault._fields.index("value")
+
+
+def never_acts(fault: Fault, period_ns: int, ticks: tuple[int, int]) -> str:
+    """Why `fault` would not be seen in a trial of these ticks (first, and the one after its last), one line; "" if it would."""
+    first, end = ticks_of(fault, period_ns)
+    begin_s, end_s = (tick * period_ns / NS_PER_S for tick in ticks)
+    if first >= ticks[1]:
+        begins = f"{fault.kind} of {fault.target} begins at {fault.at_s:g} s"
+        return f"{begins}, but the trial ends at {end_s:g} s: let it begin earlier, or lengthen the trial"
+    if end <= ticks[0]:
+        ends = f"{fault.kind} of {fault.target} is over at {fault.at_s + fault.lasts_s:g} s"
+        return f"{ends}, but the trial begins at {begin_s:g} s: let it last longer, or begin later"
+    return ""
+
+
+def trial_problems(
+    written: Sequence[Any], faults: Sequence[Fault], period_ns: int, ticks: tuple[int, int], clock: str = ""
+) -> list[str]:
+    """What is wrong with a trial's faults, a line each that names the fault's place; `written` is what they were read from."""
+    found = []
+    if len(faults) > MOST_FAULTS:
+        found.append(f"faults has {len(faults)} entries, expected at most {MOST_FAULTS}: leave some out")
+    for number, (plain, fault) in enumerate(zip(written, faults, strict=True)):
+        missing = "" if has_value(plain) else value_missing(fault)
+        if what := missing or problem(fault, clock) or never_acts(fault, period_ns, ticks):
+            found.append(f"faults.{number}: {what}")
+    return found
 
 
 def words(fault: Fault) -> str:

@@ -4,7 +4,7 @@ import time
 from typing import Any
 
 from shared.bus import Bus
-from shared.envelope import checked
+from shared.envelope import one_fault
 from shared.faults import MOST_FAULTS, Fault, problem, row_of
 from shared.impairment import paths_of
 from shared.requests import Request
@@ -29,7 +29,7 @@ class LiveFaults:
             self.clear()
             return request.reply({})
         try:
-            fault: Fault = checked(request.arguments.get("fault"), "fault", Fault)
+            fault = one_fault(request.arguments.get("fault"))
             self.inject(fault, number)
         except ValueError as error:
             return request.refuse(str(error))

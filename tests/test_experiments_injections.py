@@ -1,7 +1,7 @@
 import pytest
 
 from experiments.errors import ExperimentError
-from experiments.experiment import from_plain, to_plain
+from experiments.experiment import from_plain, from_toml, to_plain, to_toml
 from experiments.injections import fault_of, with_faults
 from experiments.library import find
 from experiments.overrides import with_overrides
@@ -53,3 +53,23 @@ def test_a_value_that_is_not_given_is_asked_for_and_not_taken_as_zero():
         fault_of("drop supply at=1")
     assert fault_of("noise force value=0").value == 0.0
     assert fault_of("stuck force").value == 0.0
+
+
+def test_a_file_that_leaves_a_value_out_is_refused_as_the_command_line_is(tmp_path):
+    written = to_toml(EXPERIMENT) + '\n[[faults]]\nkind = "drop"\ntarget = "supply"\nat_s = 1.0\n'
+    path = tmp_path / "broken.toml"
+    path.write_text(written.replace("faults = []\n", ""))
+    with pytest.raises(ExperimentError, match=r"broken.toml: faults.0: value of drop is missing, expected 0..1 share"):
+        from_toml(path)
+    path.write_text(path.read_text() + "value = 0.0\n")
+    assert from_toml(path).faults == (Fault("drop", "supply", 1.0),)
+
+
+def test_a_fault_after_the_trials_end_is_refused_with_its_time_and_the_trials():
+    with pytest.raises(ExperimentError, match=r"faults.0: stuck of force begins at 30 s, but the trial ends at .*: let it begin"):
+        with_faults(EXPERIMENT, ("stuck force at=30",))
+
+
+def test_more_faults_than_a_sample_has_time_for_are_refused():
+    with pytest.raises(ExperimentError, match="faults has 33 entries, expected at most 32"):
+        with_faults(EXPERIMENT, ("stuck force",) * 33)

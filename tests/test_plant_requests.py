@@ -80,6 +80,7 @@ def test_a_fault_by_hand_begins_at_the_sample_that_is_told():
         (STUCK | {"at_s": -0.1}, "expected 0 or later"),
         (STUCK | {"lasts_s": "long"}, "fault.lasts_s"),
         ({"kind": "leak", "target": "valve_rotate", "value": 0.9}, "expected 1..1000"),
+        ({"kind": "drop", "target": "supply"}, "value of drop is missing"),
     ],
 )
 def test_a_fault_that_the_table_does_not_know_is_refused_by_the_plant_itself(fault, words):

@@ -164,6 +164,15 @@ def test_a_load_with_a_fault_that_its_clock_cannot_play_is_refused():
         load([kill | {"kind": "explode"}], "real")
 
 
+def test_a_load_with_a_fault_that_would_never_act_or_says_no_value_is_refused():
+    burst = {"kind": "burst", "target": "controller>plant", "value": 1.0}
+    assert load([burst | {"at_s": 99 * 0.0045}]).service == "plant"
+    with pytest.raises(ValueError, match=r"faults.0: burst of controller>plant begins at 0.45 s, but the trial ends at 0.45 s"):
+        load([burst | {"at_s": 100 * 0.0045}])
+    with pytest.raises(ValueError, match=r"faults.1: value of loss is missing"):
+        load([burst, {"kind": "loss", "target": "controller>plant"}])
+
+
 def test_lockstep_is_refused_while_something_injected_acts():
     before = idle("plant")
     before.inject(((Fault("loss", "controller>plant", value=0.1), 7),))

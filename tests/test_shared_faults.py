@@ -2,7 +2,7 @@ import math
 
 import pytest
 
-from shared.faults import ROWS, Fault, of_group, problem, row_of
+from shared.faults import MOST_FAULTS, ROWS, Fault, never_acts, of_group, problem, row_of, trial_problems
 
 LIMITED = [row for row in ROWS if row.unit]
 
@@ -45,3 +45,46 @@ def test_each_service_takes_its_own_rows():
     faults = (Fault("kill", "plant"), Fault("stuck", "force"), Fault("drop", "supply", value=0.5))
     assert of_group(faults, "sensor", "actuator") == faults[1:]
     assert of_group(faults, "process") == faults[:1]
+
+
+PERIOD_NS, TICKS = 4_500_000, (-100, 400)  # the trial is from -0.45 to 1.8 s
+STUCK = Fault("stuck", "force")
+
+
+def test_a_fault_that_begins_at_the_trials_last_tick_acts_and_a_later_one_never_would():
+    assert never_acts(STUCK._replace(at_s=399 * 0.0045), PERIOD_NS, TICKS) == ""
+    for at_s in (399 * 0.0045 + 1e-6, 400 * 0.0045, 30.0):
+        what = never_acts(STUCK._replace(at_s=at_s), PERIOD_NS, TICKS)
+        assert f"stuck of force begins at {at_s:g} s, but the trial ends at 1.8 s: let it begin earlier" in what
+
+
+def test_a_fault_that_is_over_before_the_trials_first_tick_never_would_act():
+    assert never_acts(STUCK._replace(at_s=-1.0, lasts_s=0.5501), PERIOD_NS, TICKS) == ""
+    assert "is over at -0.45 s, but the trial begins at -0.45 s" in never_acts(
+        STUCK._replace(at_s=-1.0, lasts_s=0.55), PERIOD_NS, TICKS
+    )
+    assert never_acts(STUCK._replace(at_s=-10.0), PERIOD_NS, TICKS) == ""
+
+
+def test_a_value_that_was_not_written_is_missing_and_a_written_zero_is_none():
+    drop = Fault("drop", "supply")
+    assert trial_problems([{"kind": "drop", "target": "supply"}], [drop], PERIOD_NS, TICKS) == [
+        "faults.0: value of drop is missing, expected 0..1 share"
+    ]
+    assert trial_problems([["drop", "supply", 0.0, 0.0]], [drop], PERIOD_NS, TICKS) != []
+    for written in ({"kind": "drop", "target": "supply", "value": 0.0}, ["drop", "supply", 0.0, 0.0, 0.0], drop):
+        assert trial_problems([written], [drop], PERIOD_NS, TICKS) == []
+    assert trial_problems([{"kind": "stuck", "target": "force"}], [STUCK], PERIOD_NS, TICKS) == []
+
+
+def test_as_many_faults_as_a_sample_has_time_for_are_played_and_one_more_is_refused():
+    faults = [STUCK] * MOST_FAULTS
+    assert trial_problems(faults, faults, PERIOD_NS, TICKS) == []
+    more = [*faults, STUCK]
+    assert trial_problems(more, more, PERIOD_NS, TICKS) == ["faults has 33 entries, expected at most 32: leave some out"]
+
+
+def test_every_fault_of_a_trial_that_is_wrong_is_named_by_its_place():
+    faults = [STUCK, Fault("explode", "force"), STUCK._replace(at_s=5.0), Fault("kill", "plant")]
+    found = trial_problems(faults, faults, PERIOD_NS, TICKS, "lockstep")
+    assert [line.split(":")[0] for line in found] == ["faults.1", "faults.2", "faults.3"]

@@ -54,6 +54,7 @@ def test_clear_mends_everything():
         ({"kind": "loss", "target": "controller>supervisor", "value": 1.5}, "expected 0..1"),
         ({"kind": "loss", "target": "controller>supervisor", "value": 0.5, "at_s": -1.0}, "expected 0 or later"),
         ({"kind": "loss"}, "target"),
+        ({"kind": "loss", "target": "controller>supervisor"}, "value of loss is missing"),
     ],
 )
 def test_what_cannot_be_played_is_refused_with_the_reason(fault, why):

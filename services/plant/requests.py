@@ -9,7 +9,7 @@ from services.plant.config import PlantConfig
 from services.plant.trial import Schedule
 from shared.bus import Run
 from shared.detour import conditions_of
-from shared.envelope import checked, section, unseal
+from shared.envelope import one_fault, section, unseal
 from shared.faults import MOST_FAULTS, Fault, problem, row_of, ticks_of
 from shared.messages import NO_TRIAL, GateCause
 from shared.realtime import follow
@@ -108,7 +108,7 @@ def _reset(plant: "Plant", request: Request) -> None:
 def _inject(plant: "Plant", request: Request) -> None:
     """Break the machine from the next sample on, or `at_s` later; or the ways to this service, or its pace."""
     try:
-        fault: Fault = checked(request.arguments.get("fault"), "fault", Fault)
+        fault = one_fault(request.arguments.get("fault"))
         if not problem(fault) and row_of(fault).group in ("transport", "process"):
             return plant.faults.answer(request, plant.timeline.number)
         if what := problem(fault) or _not_now(fault) or plant.device.refuses((fault,)):
