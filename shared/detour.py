@@ -20,6 +20,7 @@ from shared.units import SUBSTEP_NS
 Frame = Received | Rejected
 Acting = dict[str, tuple[Active, ...]]  # by path
 FOREVER_NS = 1 << 62
+_UNSEEN = 64  # samples by which others may be ahead: so many wait in a ring, and the plant knows all of its own
 
 
 class Held(NamedTuple):
@@ -190,12 +191,14 @@ class Detour:
             self._queue = slip_in(self._queue, message, 0)
             return
         header, conditions = message.header, self.conditions
-        conditions.number = max(conditions.number, header.echo_number)
         is_sample = self._topic.key == SAMPLE
-        if is_sample:
+        credible = self._credible(message, now_ns)
+        if is_sample and credible:
             conditions.see(message.body.number, message.body.tick)
-        answers = header.echo_number > self.newest  # otherwise it is sent again, or on change: what acts now acts on it
-        self.newest = max(self.newest, header.echo_number)
+        answers = credible and header.echo_number > self.newest
+        if answers:  # otherwise it is sent again, on change, or with an echo of nothing: what acts now acts on it
+            self.newest = header.echo_number
+            conditions.number = max(conditions.number, header.echo_number)
         tick = conditions.tick_of(header.echo_number) if answers else conditions.tick
         found = conditions.fate(self._topic, header.echo_number, answers=answers)
         since_ns = self._since_ns(message, now_ns if not answers else header.echo_time_ns, tick)
@@ -208,6 +211,14 @@ class Detour:
                 self._queue = slip_in(self._queue, coming, release_ns)
         if is_sample and answers and conditions.lockstep:
             self._pass(header.echo_number, header.echo_time_ns, tick, found)
+
+    def _credible(self, message: Received, now_ns: int) -> bool:
+        """Whether the echo may be that of a sample. One that cannot is for the receiver to judge, and nobody waits by it."""
+        header, body = message.header, message.body
+        if self._topic.key == SAMPLE:
+            return (header.echo_number, header.echo_time_ns) == (body.number, body.time_ns)
+        unseen = 0 if self.conditions.service == "plant" else _UNSEEN
+        return header.echo_number <= self.conditions.number + unseen and header.echo_time_ns <= now_ns
 
     def _since_ns(self, message: Received, simulated_ns: int, tick: int) -> int:
         """The instant from which a delay counts; 0 where nobody waits."""

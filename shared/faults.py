@@ -5,7 +5,7 @@ that are its own: the emulated machine sensors and actuators, the receiving bus 
 """
 
 import math
-from collections.abc import Sequence
+from collections.abc import Iterable, Sequence
 from typing import Annotated, Any, Literal, NamedTuple
 
 from annotated_types import Interval
@@ -25,6 +25,7 @@ PROCESSES = ("plant", "controller", "supervisor", "recorder")
 COUNTED = ("counts", "messages", "processes")  # units that come whole
 FOR_EVER = 2**31  # later than any tick
 MOST_FAULTS = 32  # of a trial, and by hand in one service at once: each costs a few us a sample
+MOST_DELAY_MS = 1000.0  # on one path at once: each message is compared with all that might overtake it
 _EVERY, _ON_THE_BUS, _LIVE = ("local", "lockstep", "real"), ("lockstep", "real"), ("real",)
 
 
@@ -139,6 +140,21 @@ def has_value(written: Any) -> bool:
     return "value" in written if isinstance(written, dict) else len(written) > Fault._fields.index("value")
 
 
+def delay_ms(faults: Iterable[Fault], path: str) -> float:
+    """By how much these may make a message on `path` later, together."""
+    return sum(fault.value for fault in faults if fault.kind in ("delay", "jitter") and fault.target == path)
+
+
+def too_late(faults: Sequence[Fault]) -> str:
+    """Where and when a trial's delays add up to more than is played, one line; "" nowhere."""
+    for begun in faults:
+        at_s, path = begun.at_s, begun.target
+        acting = [f for f in faults if f.at_s <= at_s and (f.lasts_s == 0.0 or at_s < f.at_s + f.lasts_s)]
+        if (together := delay_ms(acting, path)) > MOST_DELAY_MS:
+            return f"delay and jitter of {path} add up to {together:g} ms at {at_s:g} s, expected at most {MOST_DELAY_MS:g} ms"
+    return ""
+
+
 def never_acts(fault: Fault, period_ns: int, ticks: tuple[int, int]) -> str:
     """Why `fault` would not be seen in a trial of these ticks (first, and the one after its last), one line; "" if it would."""
     first, end = ticks_of(fault, period_ns)
@@ -159,6 +175,8 @@ def trial_problems(
     found = []
     if len(faults) > MOST_FAULTS:
         found.append(f"faults has {len(faults)} entries, expected at most {MOST_FAULTS}: leave some out")
+    if what := too_late(faults):
+        found.append(f"faults: {what}")
     for number, (plain, fault) in enumerate(zip(written, faults, strict=True)):
         missing = "" if has_value(plain) else value_missing(fault)
         if what := missing or problem(fault, clock) or never_acts(fault, period_ns, ticks):

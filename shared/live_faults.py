@@ -4,14 +4,16 @@ import time
 from typing import Any
 
 from shared.bus import Bus
-from shared.envelope import one_fault
-from shared.faults import MOST_FAULTS, Fault, problem, row_of
+from shared.detour import Conditions, conditions_of
+from shared.envelope import Envelope, one_fault
+from shared.faults import MOST_DELAY_MS, MOST_FAULTS, Fault, delay_ms, problem, row_of
 from shared.impairment import paths_of
 from shared.requests import Request
 from shared.units import NS_PER_S
 
 _S_PER_MS = 1e-3
 _FOR_EVER_NS = 1 << 62
+_END = "end that first (`hydrohil inject --clear`)"
 
 
 class LiveFaults:
@@ -45,19 +47,32 @@ class LiveFaults:
             raise ValueError("a lockstep trial is loaded, and its services must all know a fault beforehand: schedule it")
         if fault.kind == "slow" and fault.target == self._service:
             now_ns = time.monotonic_ns()
-            if self._slow is not None and now_ns < self._span_ns[1]:
-                raise ValueError(f"the {self._service} is slow already, or will be: end that first (`hydrohil inject --clear`)")
+            if self._is_slow(now_ns):
+                raise ValueError(f"the {self._service} is slow already, or will be: {_END}")
             self._slow = fault
             begin_ns = now_ns + round(fault.at_s * NS_PER_S)
             self._span_ns = (begin_ns, begin_ns + round(fault.lasts_s * NS_PER_S) if fault.lasts_s else _FOR_EVER_NS)
         elif row_of(fault).group == "transport" and any(path.endswith(f">{self._service}") for path in paths_of(fault)):
             lasting = self._bus.conditions.lasting()
             if len(lasting) >= MOST_FAULTS:
-                raise ValueError(f"{MOST_FAULTS} faults act or wait already: end them first (`hydrohil inject --clear`)")
+                raise ValueError(f"{MOST_FAULTS} faults act or wait already: {_END}")
+            together = delay_ms((fault, *(before for before, _ in lasting)), fault.target)
+            if together > MOST_DELAY_MS:
+                raise ValueError(f"delays that act or wait would add up to {together:g} ms, at most {MOST_DELAY_MS:g}: {_END}")
             self._bus.conditions.inject((*lasting, (fault, number)))
             self._bus.impair(self._bus.conditions)
         else:
             raise ValueError(f"{fault.kind} of {fault.target} is not played by the {self._service}")
+
+    def loaded(self, envelope: Envelope) -> Conditions:
+        """The transport faults of a load; raises ValueError if it cannot be played, also beside what was injected by hand."""
+        if envelope.clock == "lockstep" and self._is_slow(time.monotonic_ns()):
+            raise ValueError(f"the {self._service} is slow still, or will be, and lockstep has none of it: {_END}")
+        return conditions_of(envelope, self._bus.conditions)
+
+    def _is_slow(self, now_ns: int) -> bool:
+        """Whether a pace that was injected acts or waits."""
+        return self._slow is not None and now_ns < self._span_ns[1]
 
     def clear(self) -> None:
         """Mend everything that was injected; what a fault delays still comes."""

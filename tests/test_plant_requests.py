@@ -10,6 +10,7 @@ from services.plant.trial import Schedule
 from shared.detour import idle
 from shared.envelope import seal, unseal
 from shared.faults import MOST_FAULTS, Fault
+from shared.live_faults import LiveFaults
 from shared.requests import Request
 
 STUCK = {"kind": "stuck", "target": "force"}
@@ -45,9 +46,16 @@ def plant(device):
         mailbox=SimpleNamespace(permit_seen=lambda _: SimpleNamespace(arming=0, age_ns=0)),
     )
     timeline, schedule = SimpleNamespace(number=70), Schedule(PlantConfig())
-    bus, others = SimpleNamespace(conditions=idle("plant")), SimpleNamespace(clear=lambda: None)
+    bus = SimpleNamespace(conditions=idle("plant"))
     return SimpleNamespace(
-        device=device, keeper=keeper, timeline=timeline, schedule=schedule, now_ns=int, bus=bus, faults=others, pending=None
+        device=device,
+        keeper=keeper,
+        timeline=timeline,
+        schedule=schedule,
+        now_ns=int,
+        bus=bus,
+        faults=LiveFaults(bus),
+        pending=None,
     )
 
 

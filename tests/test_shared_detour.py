@@ -2,7 +2,7 @@ from types import SimpleNamespace
 
 import pytest
 from supervisor_scene import sample
-from wire_scene import CELL, command_body, header, permit_body
+from wire_scene import CELL, command_body, header, permit_body, state_body
 
 from shared.codec import encode
 from shared.detour import FOREVER_NS, Conditions, conditions_of, idle
@@ -28,7 +28,14 @@ class Scene:
         self.conditions.see(ZERO_NUMBER, 0)
         self.inbox.impair(self.conditions)
 
+    def issue(self, tick):
+        """The plant has issued this sample; outside a trial it has no tick."""
+        conditions = self.conditions
+        conditions.see(ZERO_NUMBER + tick, NO_TRIAL if conditions.tick == NO_TRIAL else tick)
+
     def put(self, tick, *, seq=None, body=None, echo_tick=None):
+        if self.conditions.service == "plant" and ZERO_NUMBER + tick > self.conditions.number:
+            self.issue(tick)
         number = ZERO_NUMBER + (tick if echo_tick is None else echo_tick)
         body = body or {"plant/sample": sample(number)._replace(tick=tick)}.get(self.key, command_body())
         head = header(self.key, number if seq is None else seq, echo_number=number, echo_time_ns=number * PERIOD * SUBSTEP_NS)
@@ -71,6 +78,48 @@ def test_a_lost_command_counts_as_arrived_and_never_comes():
     scene.put(1)
     assert scene.ticks() == [1]
     assert scene.inbox.acceptance.lost == 0  # the first of a stream: nothing was before it
+
+
+@pytest.mark.parametrize("forged", [1, 1000, 1 << 40])
+@pytest.mark.parametrize("lockstep", [True, False])
+def test_an_answer_to_a_sample_that_was_never_issued_makes_nobody_wait_and_nobody_pass_over_another(forged, lockstep):
+    scene = Scene("controller/command", "plant", LATE, lockstep=lockstep)
+    scene.put(4)
+    scene.put(5, seq=900, echo_tick=5 + forged)
+    assert scene.inbox.drain(instant(5)) == []
+    assert scene.inbox.arrived() == ZERO_NUMBER + 4
+    scene.put(5, seq=901)
+    assert scene.inbox.drain(instant(5)) == []
+    assert scene.inbox.arrived() == ZERO_NUMBER + 5
+    if lockstep:
+        came = [message.header.echo_number - ZERO_NUMBER for message in scene.inbox.drain(instant(5, 180))]
+        assert sorted(came) == [4, 5, 5 + forged]
+
+
+def test_an_echo_of_a_time_that_has_not_come_makes_nobody_wait():
+    scene = Scene("controller/command", "plant", LATE)
+    scene.issue(5)
+    head = header("controller/command", 1, echo_number=ZERO_NUMBER + 5, echo_time_ns=1 << 60)
+    frame = encode(expression(CELL, "controller/command"), head, command_body())
+    scene.inbox.put(SimpleNamespace(payload=SimpleNamespace(to_bytes=lambda: frame)))
+    assert scene.ticks(instant(5)) == []
+    assert scene.inbox.arrived() != ZERO_NUMBER + 5
+    scene.put(5)
+    assert scene.ticks(instant(5, 180)) == [5, 5]
+
+
+def test_who_hears_the_controller_before_the_plant_believes_as_many_samples_as_a_ring_holds():
+    for ahead, believed in ((64, True), (65, False)):
+        scene = Scene("controller/state", "supervisor", Fault("loss", "controller>supervisor", value=1e-9))
+        scene.put(ahead, body=state_body())
+        scene.ticks()
+        assert (scene.inbox.arrived() == ZERO_NUMBER + ahead) == believed
+
+
+def test_a_sample_whose_echo_is_not_its_own_number_moves_no_fault():
+    scene = Scene("plant/sample", "supervisor", Fault("burst", "plant>supervisor", value=1.0))
+    scene.put(0, body=sample(ZERO_NUMBER + 300)._replace(tick=300))
+    assert (scene.conditions.number, scene.conditions.tick, scene.inbox.arrived()) == (ZERO_NUMBER, 0, -1)
 
 
 def test_outside_a_trial_nothing_happens_to_a_frame():
@@ -171,6 +220,17 @@ def test_a_load_with_a_fault_that_would_never_act_or_says_no_value_is_refused():
         load([burst | {"at_s": 100 * 0.0045}])
     with pytest.raises(ValueError, match=r"faults.1: value of loss is missing"):
         load([burst, {"kind": "loss", "target": "controller>plant"}])
+
+
+def test_delays_that_add_up_to_more_than_a_second_on_one_path_are_refused():
+    late = {"kind": "delay", "target": "controller>plant", "value": 600.0, "lasts_s": 0.1}
+    more = {"kind": "jitter", "target": "controller>plant", "value": 400.0, "at_s": 0.05}
+    assert load([late, more]).service == "plant"
+    assert load([late, more | {"value": 401.0, "at_s": 0.1}]).service == "plant"  # one after the other
+    assert load([late, late | {"target": "supervisor>plant"}]).service == "plant"
+    for worse in (more | {"value": 401.0}, more | {"value": 401.0, "at_s": -0.01}):
+        with pytest.raises(ValueError, match=r"controller>plant add up to 1001 ms at .*, expected at most 1000 ms"):
+            load([late, worse])
 
 
 def test_lockstep_is_refused_while_something_injected_acts():

@@ -4,6 +4,7 @@ import pytest
 from wire_scene import FakeBus
 
 from shared.detour import Conditions
+from shared.envelope import seal, unseal
 from shared.faults import MOST_FAULTS
 from shared.live_faults import LiveFaults
 from shared.requests import Request
@@ -105,3 +106,29 @@ def test_a_second_pace_does_not_silently_take_the_place_of_the_first(monkeypatch
     assert not accepted and "slow already" in reason
     now_ns += 1
     assert scene.ask("inject", **slow)[0]
+
+
+def test_delays_by_hand_that_add_up_to_more_than_a_second_on_one_path_are_refused():
+    scene, late = Scene(), {"kind": "delay", "target": "controller>supervisor", "value": 500.0}
+    assert scene.ask("inject", **late)[0] and scene.ask("inject", **late)[0]
+    accepted, reason, _ = scene.ask("inject", **late | {"kind": "jitter", "value": 0.5})
+    assert not accepted and "1000.5 ms, at most 1000" in reason and "--clear" in reason
+    assert scene.ask("inject", **late | {"target": "plant>supervisor"})[0]
+
+
+def envelope(clock):
+    return unseal(seal({}, run=1, seed=1, clock=clock, bias_ticks=8, duration_ticks=100))
+
+
+@pytest.mark.parametrize(("later_ns", "acts"), [(1, True), (1_999_999_999, True), (2_000_000_000, False)])
+def test_lockstep_is_refused_while_a_service_is_slow_by_hand_and_real_is_not(monkeypatch, later_ns, acts):
+    scene, now_ns = Scene(), [5]
+    monkeypatch.setattr(time, "monotonic_ns", lambda: now_ns[0])
+    assert scene.ask("inject", kind="slow", target="supervisor", value=1.0, at_s=1.0, lasts_s=1.0)[0]
+    now_ns[0] += later_ns
+    assert not scene.faults.loaded(envelope("real")).lockstep
+    if acts:
+        with pytest.raises(ValueError, match=r"the supervisor is slow still, or will be.*--clear"):
+            scene.faults.loaded(envelope("lockstep"))
+    else:
+        assert scene.faults.loaded(envelope("lockstep")).lockstep

@@ -120,3 +120,18 @@ def test_a_reset_clears_neither_an_arming_nor_a_trial():
     scene.ask("start")
     assert not scene.ask("reset")[0]
     assert scene.supervisor.memory.mode == Mode.RUNNING
+
+
+def test_a_flood_of_events_is_refused_beyond_what_waits_and_an_emergency_stop_acts_before_all_of_it():
+    scene = Tripped()
+    waiting = [scene.request("recover") for _ in range(64)]
+    assert waiting == [[]] * 64
+    for _ in range(2):
+        ((accepted, reason, _),) = scene.request("stop")
+        assert not accepted and "64 requests wait already" in reason
+    assert len(scene.request("estop")) == 1
+    assert scene.supervisor.memory.cause == TripCause.FORCE_RAW  # the trip that is latched stays the one that is told
+    assert waiting == [[]] * 64
+    scene.judge()
+    assert [len(answers) for answers in waiting] == [1] + [0] * 63
+    assert scene.request("stop") == []

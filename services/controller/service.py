@@ -13,7 +13,7 @@ from services.controller.step import control_start, control_step
 from services.controller.surroundings import surroundings
 from shared.bus import Bus, Run
 from shared.codec import Received
-from shared.detour import Passage, conditions_of
+from shared.detour import Passage
 from shared.envelope import Envelope, section, unseal
 from shared.live_faults import LiveFaults
 from shared.messages import About, Command, GateState, Passed
@@ -112,7 +112,7 @@ class Controller:
             plant = envelope.experiment["plant"]
             met = surroundings(plant)
             check(config, reference, tuple(plant["initial_q_rad"]), plant["machine"]["q4_rad"], met)
-            conditions_of(envelope, self.bus.conditions)
+            self.faults.loaded(envelope)
         except (ValueError, LookupError, TypeError, ArithmeticError) as error:  # [plant] is read as it came
             return request.refuse(str(error))
         self.pending = (envelope, config, reference)
@@ -123,7 +123,7 @@ class Controller:
             return request.refuse("nothing with this hash was loaded: load it first")
         envelope, config, reference = self.pending
         try:
-            conditions = conditions_of(envelope, self.bus.conditions)  # once more: faults may have been injected since the load
+            conditions = self.faults.loaded(envelope)  # once more: faults may have been injected since the load
         except ValueError as error:
             return request.refuse(str(error))
         self.config, self.reference = config, reference

@@ -8,7 +8,6 @@ from services.plant.about import about
 from services.plant.config import PlantConfig
 from services.plant.trial import Schedule
 from shared.bus import Run
-from shared.detour import conditions_of
 from shared.envelope import one_fault, section, unseal
 from shared.faults import MOST_FAULTS, Fault, problem, row_of, ticks_of
 from shared.messages import NO_TRIAL, GateCause
@@ -54,7 +53,7 @@ def _load(plant: "Plant", request: Request) -> None:
         envelope = unseal(str(request.arguments.get("envelope")))
         schedule = Schedule(section(envelope, "plant", PlantConfig), envelope)
         about(schedule.config, plant.keeper.limits)
-        conditions_of(envelope, plant.bus.conditions)
+        plant.faults.loaded(envelope)
         if refused := plant.device.refuses(schedule.faults):
             raise ValueError(refused)
     except ValueError as error:
@@ -71,7 +70,7 @@ def _commit(plant: "Plant", request: Request) -> None:
         return request.refuse("a trial is armed or running: stop it first (`hydrohil stop`)")
     envelope = schedule.envelope
     try:
-        conditions = conditions_of(envelope, plant.bus.conditions)  # once more: faults may have been injected since the load
+        conditions = plant.faults.loaded(envelope)  # once more: faults may have been injected since the load
     except ValueError as error:
         return request.refuse(str(error))
     plant.device.load(schedule.config, envelope.seed, schedule.first_tick, schedule.ticks, schedule.faults)

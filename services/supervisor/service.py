@@ -15,7 +15,7 @@ from services.supervisor.rules import trip_words
 from services.supervisor.step import Asked, SupervisorMemory, supervisor_step
 from shared.bus import Bus, Run, same_run
 from shared.codec import Received
-from shared.detour import Passage, conditions_of
+from shared.detour import Passage
 from shared.envelope import Envelope, section, unseal
 from shared.live_faults import LiveFaults
 from shared.messages import NO_COMMAND, About, Mode, Passed, Permit, TripCause
@@ -29,6 +29,7 @@ from shared.units import NS_PER_S
 
 _IDLE_WAKE_S = 0.1
 _LOCKSTEP_SILENCE_NS = 6 * NS_PER_S  # the plant gives up on a peer after 5 s
+_MOST_ASKED = 64  # a third of a second of events, one a sample
 _EVENTS = {
     "arm": Event.ARM,
     "start": Event.START,
@@ -244,6 +245,8 @@ class Supervisor:
         """Events act at the next sample; an emergency stop does not wait for one."""
         if self.about is None or self.sample is None:
             return request.refuse("no sample has come from the plant yet: start it (`hydrohil plant`)")
+        if request.verb != "estop" and len(self.asked) >= _MOST_ASKED:
+            return request.refuse(f"{_MOST_ASKED} requests wait already, and one acts a sample: ask again")
         self.asked.append((_EVENTS[request.verb], request))
         if request.verb == "estop":
             self.asked.insert(0, self.asked.pop())
@@ -256,7 +259,7 @@ class Supervisor:
         try:
             envelope = unseal(str(request.arguments.get("envelope")))
             config = section(envelope, "supervisor", SupervisorConfig)
-            conditions_of(envelope, self.bus.conditions)
+            self.faults.loaded(envelope)
         except ValueError as error:
             return request.refuse(str(error))
         self.pending = (envelope, config)
@@ -269,7 +272,7 @@ class Supervisor:
             return request.refuse("nothing with this hash was loaded: load it first")
         envelope, config = self.pending
         try:
-            conditions = conditions_of(envelope, self.bus.conditions)  # once more: faults may have been injected since the load
+            conditions = self.faults.loaded(envelope)  # once more: faults may have been injected since the load
         except ValueError as error:
             return request.refuse(str(error))
         self.envelope, self.config = envelope, config
