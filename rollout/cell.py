@@ -166,7 +166,7 @@ def play(
 ) -> tuple[SupervisorMemory, GateMemory, int]:
     """Run every tick; returns the supervisor's and the gate's last state and the number of rows written."""
     state, gate = setup.start, GateMemory(0, 1, (2048, 2048, 2048), -1, 0, 0, 0, 0, (0,) * 16, (0, 0, 0))
-    watch = SupervisorMemory(RUNNING, _ARMING, 0, 0.0, 0.0, -1, 0, 0, 0, (0, 0, 0), watch_start())
+    watch = SupervisorMemory(RUNNING, _ARMING, 0, 0.0, 0.0, -1, 0, 0, 0, (0, 0, 0), watch_start(), False)
     time_ns = 0
     trial_time_ns = 0
     for i in range(-setup.first_tick):

@@ -50,6 +50,13 @@ def test_a_cut_of_the_gate_trips_the_supervisor_a_sample_later():
     assert (tripped.mode, tripped.cause) == (Mode.TRIPPED, TripCause.GATE_CUT)
 
 
+def test_an_emergency_stop_is_recovered_from_only_after_a_reset():
+    pressed = after(RUNNING, Event.ESTOP)._replace(broken=frozenset([TripCause.FORCE_RAW]))
+    assert after(pressed, Event.HOLD_RECOVER).mode == Mode.TRIPPED
+    refused = after(pressed, Event.RESET)
+    assert (refused.mode, after(refused, Event.HOLD_RECOVER).mode) == (Mode.TRIPPED, Mode.RECOVER)
+
+
 def test_an_emergency_stop_at_the_gate_stands_until_it_is_released():
     pressed = after(after(RUNNING._replace(conditions=frozenset([GateCause.ESTOP])), Event.NOTHING), Event.NOTHING)
     assert (pressed.mode, pressed.cause) == (Mode.TRIPPED, TripCause.ESTOP)

@@ -35,7 +35,7 @@ class PermitUnderFire(RuleBasedStateMachine):
     def boot(self):
         self.memory, self.before, self.permit = SupervisorMemory(), SupervisorMemory(), None
         self.number, self.drawn, self.used = 100, 1000, set()
-        self.event, self.broken = Event.NOTHING, 0
+        self.event, self.broken, self.unreleased = Event.NOTHING, 0, False
 
     def tick(self):
         """Tick of the sample in the trial that was announced."""
@@ -115,8 +115,11 @@ class PermitUnderFire(RuleBasedStateMachine):
         if self.memory.arming not in (0, self.before.arming):
             assert self.memory.arming not in self.used
             self.used.add(self.memory.arming)
-        if self.event == Event.ESTOP or self.pressed:
+        stopped = self.event == Event.ESTOP or self.pressed
+        if stopped:
             assert now == Mode.TRIPPED
+        assert not (now == Mode.RECOVER and self.unreleased)
+        self.unreleased = stopped or (self.unreleased and self.event != Event.RESET)
 
     @invariant()
     def an_arming_exists_where_motion_may_be_permitted_and_nowhere_else(self):

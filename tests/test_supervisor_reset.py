@@ -124,7 +124,7 @@ def test_a_reset_clears_neither_an_arming_nor_a_trial():
 
 def test_a_flood_of_events_is_refused_beyond_what_waits_and_an_emergency_stop_acts_before_all_of_it():
     scene = Tripped()
-    waiting = [scene.request("recover") for _ in range(64)]
+    waiting = [scene.request("start") for _ in range(64)]
     assert waiting == [[]] * 64
     for _ in range(2):
         ((accepted, reason, _),) = scene.request("stop")
@@ -135,3 +135,13 @@ def test_a_flood_of_events_is_refused_beyond_what_waits_and_an_emergency_stop_ac
     scene.judge()
     assert [len(answers) for answers in waiting] == [1] + [0] * 63
     assert scene.request("stop") == []
+
+
+def test_recovery_from_a_pressed_stop_is_refused_in_words_and_granted_after_the_reset_that_a_force_refuses():
+    scene = Tripped()
+    scene.request("estop")
+    accepted, reason, _ = scene.ask("recover")
+    assert not accepted and "emergency stop is pressed" in reason and "hydrohil reset" in reason
+    assert not scene.ask("reset")[0]
+    assert scene.ask("recover")[0]
+    assert scene.mode == Mode.RECOVER

@@ -16,6 +16,7 @@ from shared.pose import UNIMATE_GEOMETRY, forward, joint_positions
 
 HEAVY = 300  # counts: 405 N, above 334 + 60 N
 DISARMED = SupervisorMemory()
+STOPS = [(Event.ESTOP, GateCause.NONE), (Event.NOTHING, GateCause.ESTOP)]
 supervisor_step_compiled = compiled(supervisor_step)
 
 
@@ -106,7 +107,7 @@ def test_a_reset_is_refused_while_the_cause_stands_and_clears_it_afterwards():
     assert (reset.trip_number, reset.first_sample, reset.recover_signs) == (NO_COMMAND, NO_COMMAND, (0, 0, 0))
 
 
-@pytest.mark.parametrize(("event", "at_gate"), [(Event.ESTOP, GateCause.NONE), (Event.NOTHING, GateCause.ESTOP)])
+@pytest.mark.parametrize(("event", "at_gate"), STOPS)
 def test_an_emergency_stop_at_either_place_names_itself_even_when_a_rule_breaks_too(event, at_gate):
     stopped = sample(50, 5, force_counts=HEAVY, gate=GateState.BURNED, gate_cause=int(at_gate))
     memory = step(running(), stopped, asked(event))
@@ -232,11 +233,37 @@ def test_what_stands_when_recovery_begins_leads_the_way():
     outside = (100, 971, 207, 0, 33)
     memory = step(running(watch=watched(49, encoder_counts=outside)), sample(50, 5, encoder_counts=outside), asked(Event.ESTOP))
     assert (memory.cause, memory.recover_signs) == (TripCause.ESTOP, (0, -1, 0))
+    memory = step(memory, sample(50, encoder_counts=outside), asked(Event.RESET))
     memory = step(memory, sample(51, encoder_counts=outside), asked(Event.HOLD_RECOVER))
     assert (memory.mode, memory.cause, memory.recover_signs) == (Mode.RECOVER, TripCause.JOINT_LIMIT, (1, 0, 0))
     assert memory.trip_number == 51
     blind = step(memory, sample(52, encoder_counts=(0, 971, 207, 0, 33)), asked(Event.HOLD_RECOVER))
     assert (blind.mode, blind.cause, blind.recover_signs) == (Mode.TRIPPED, TripCause.ENCODER_INVALID, (0, 0, 0))
+
+
+@pytest.mark.parametrize(("event", "at_gate"), STOPS)
+@pytest.mark.parametrize("when", ["running", "tripped", "recovering"])
+def test_a_stop_that_is_pressed_is_not_recovered_from_before_a_reset_has_released_it(event, at_gate, when):
+    heavy = {"force_counts": HEAVY}
+    memory = running() if when == "running" else tripped()
+    if when == "recovering":
+        memory = step(memory, sample(51, **heavy), asked(Event.HOLD_RECOVER))
+        assert memory.mode == Mode.RECOVER
+    memory = step(memory, sample(52, **heavy, gate_cause=int(at_gate)), asked(event))
+    for number in range(53, 60):
+        memory = step(memory, sample(number, **heavy), asked(Event.HOLD_RECOVER))
+        assert (memory.mode, memory.pressed) == (Mode.TRIPPED, True)
+    refused = step(memory, sample(60, **heavy), asked(Event.RESET))
+    assert (refused.mode, refused.pressed, refused.cause) == (Mode.TRIPPED, False, memory.cause)
+    again = step(refused, sample(61, **heavy), asked(Event.HOLD_RECOVER))
+    assert (again.mode, again.recover_signs) == (Mode.RECOVER, (0, -1, 0))
+
+
+def test_a_reset_releases_no_stop_that_is_pressed_at_the_gate():
+    pressed = {"gate": int(GateState.BURNED), "gate_cause": int(GateCause.ESTOP)}
+    memory = step(step(running(), sample(50, 5, **pressed)), sample(51, **pressed), asked(Event.RESET))
+    assert (memory.mode, memory.pressed) == (Mode.TRIPPED, True)
+    assert not step(memory, sample(52), asked(Event.RESET)).pressed
 
 
 def test_among_force_causes_recovery_goes_on():

@@ -73,6 +73,7 @@ class Scene(NamedTuple):
     arming: int = 0
     armings: int = 0  # drawn so far
     gate: GateMemory = GateMemory()
+    pressed: bool = False  # an emergency stop that no reset has released
 
 
 def _flagged(rule: Rule) -> Rule:
@@ -107,6 +108,7 @@ def stopped(scene: Scene) -> bool:
 def mode_after(scene: Scene, event: Event) -> Mode:
     """Mode after one step with `event`."""
     facts: dict[str, Any] = {name: name in scene.flags for name in FLAGS} | {"estop": stopped(scene)}
+    facts["can_recover"] = facts["can_recover"] and not scene.pressed
     return Mode(next_mode(int(scene.mode), int(event), Facts(broken=int(deciding(broken_now(scene))), **facts)))
 
 
@@ -121,24 +123,28 @@ def after(scene: Scene, event: Event) -> Scene:
         cause = TripCause.NONE
     elif mode == Mode.TRIPPED and scene.mode not in (Mode.TRIPPED, Mode.RECOVER):
         cause = TripCause.ESTOP if event == Event.ESTOP or stopped(scene) else deciding(broken_now(scene))
-    changed = scene._replace(mode=mode, arming=arming, armings=armings, cause=cause)
+    pressed = event == Event.ESTOP or stopped(scene) or (scene.pressed and event != Event.RESET)
+    changed = scene._replace(mode=mode, arming=arming, armings=armings, cause=cause, pressed=pressed)
     return changed._replace(gate=gate_step(scene.gate, LIMITS, gate_input(changed), True))
 
 
-_WAYS = {
+_WAYS: dict[Mode, tuple[Event | TripCause, ...]] = {
     Mode.DISARMED: (),
     Mode.ARMED: (Event.ARM,),
     Mode.RUNNING: (Event.ARM, Event.START),
-    Mode.TRIPPED: (Event.ARM, Event.START, Event.ESTOP),
-    Mode.RECOVER: (Event.ARM, Event.START, Event.ESTOP, Event.HOLD_RECOVER),
+    Mode.TRIPPED: (Event.ARM, Event.START, TripCause.FORCE_TARED),
+    Mode.RECOVER: (Event.ARM, Event.START, TripCause.FORCE_TARED, Event.HOLD_RECOVER),
 }
 
 
 def reached(mode: Mode) -> Scene:
-    """The scene in `mode` after the events that lead there from the start."""
+    """The scene in `mode` after the events, or the rule that breaks for a sample, that lead there from the start."""
     scene = Scene()
-    for event in _WAYS[mode]:
-        scene = after(scene, event)
+    for step in _WAYS[mode]:
+        if isinstance(step, Event):
+            scene = after(scene, step)
+        else:
+            scene = after(scene._replace(broken=frozenset([step])), Event.NOTHING)._replace(broken=frozenset())
     return scene
 
 

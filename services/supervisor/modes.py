@@ -31,7 +31,7 @@ class Facts(NamedTuple):
     broken: int  # cause of the first rule that does not hold
     estop: bool
     may_arm: bool  # limits stand below the gate's, all services agree on experiment and run
-    can_recover: bool  # the cause of the trip has a direction that unloads, and nothing worse has come on top of it
+    can_recover: bool  # the cause has a direction that unloads, nothing worse is on top of it, no emergency stop is pressed
     held: bool  # the lease of HOLD_RECOVER has not run out
     finished: bool  # the trial's declared duration is over
     armed_too_long: bool

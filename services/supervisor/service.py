@@ -195,6 +195,8 @@ class Supervisor:
         return request.refuse(f"{event.name.lower().replace('_', ' ')} refused in mode {mode.name}: {self._why(message)}")
 
     def _why(self, message: Received) -> str:
+        if self.memory.pressed:
+            return "the emergency stop is pressed; when the reason is gone: `hydrohil reset` (it releases gate and supervisor)"
         if self.memory.mode == TRIPPED:
             return f"{self.trip_words()}; the cause must be gone, then `hydrohil reset`"
         if not self._agreed(message):

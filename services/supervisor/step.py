@@ -7,6 +7,7 @@ from services.supervisor.modes import (
     DISARMED,
     HOLD_RECOVER,
     RECOVER,
+    RESET,
     RUNNING,
     TRIPPED,
     Facts,
@@ -60,6 +61,7 @@ class SupervisorMemory(NamedTuple):
     held_until: int = 0
     recover_signs: tuple[int, int, int] = _NO_SIGNS
     watch: Watch = Watch()
+    pressed: bool = False  # an emergency stop, here or at the gate, that no reset has released
 
 
 @kernel
@@ -86,6 +88,8 @@ def supervisor_step(
 
 @kernel
 def _can_recover(memory: SupervisorMemory, params: SupervisorParams, seen: Observed, broken: int) -> bool:
+    if memory.pressed:
+        return False
     if memory.mode == RECOVER:
         return not _on_top(memory, params, seen, broken)
     return _leads(memory.recover_signs) or _leads(_unloading(params, seen, broken))
@@ -129,6 +133,7 @@ def _enter(
     measured, limit = memory.measured, memory.limit
     first_sample, armed_at, held_until = memory.first_sample, memory.armed_at, memory.held_until
     signs = memory.recover_signs
+    stopped = sample.gate_cause == _GATE_STOPPED or asked.event == ESTOP_EVENT
     if mode == DISARMED:
         arming, cause, trip_number, first_sample, signs = 0, 0, NO_COMMAND, NO_COMMAND, _NO_SIGNS
         measured, limit = 0.0, 0.0
@@ -141,7 +146,7 @@ def _enter(
         arming, first_sample = 0, NO_COMMAND
         if memory.mode != RECOVER or _on_top(memory, params, seen, broken[0]):
             cause, measured, limit = broken
-            if sample.gate_cause == _GATE_STOPPED or asked.event == ESTOP_EVENT:
+            if stopped:
                 cause, measured, limit = _ESTOP, 0.0, 0.0
             trip_number, signs = sample.number, _unloading(params, seen, cause)
     if mode == RECOVER:
@@ -152,6 +157,7 @@ def _enter(
                 trip_number, signs = sample.number, _unloading(params, seen, cause)
         if asked.event == HOLD_RECOVER:
             held_until = sample.number + params.recover_samples
+    pressed = stopped or (memory.pressed and asked.event != RESET)
     return SupervisorMemory(
         mode,
         arming,
@@ -164,6 +170,7 @@ def _enter(
         held_until,
         signs,
         watch,
+        pressed,
     )
 
 
