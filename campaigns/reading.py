@@ -11,7 +11,7 @@ from pydantic import ConfigDict, TypeAdapter, ValidationError
 from campaigns.axis import axis_problems, distribution
 from campaigns.borders import border_problems
 from campaigns.campaign import FIXED, Campaign, Plan, columns_of, file_of
-from experiments.errors import ExperimentError, from_validation, nearest
+from experiments.errors import ExperimentError, from_validation, nearest, unreadable
 from experiments.experiment import Experiment, from_plain, from_toml, to_plain
 from experiments.library import find
 from experiments.overrides import assign
@@ -41,8 +41,8 @@ def read(path: Path) -> Plan:
     try:
         plain = tomllib.loads(path.read_text(encoding="utf-8"))
     except (OSError, UnicodeDecodeError) as reason:
-        raise ExperimentError([f"{path}: cannot be read ({reason}): give the path of a TOML file"]) from None
-    except tomllib.TOMLDecodeError as reason:
+        raise unreadable(path, reason) from None
+    except (tomllib.TOMLDecodeError, RecursionError) as reason:
         raise ExperimentError([f"{path}: is no TOML: {reason}; correct the syntax there"]) from None
     return from_table(plain, path)
 

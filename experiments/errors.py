@@ -33,6 +33,12 @@ class ExperimentError(ValueError):
         super().__init__("\n".join(self.problems))
 
 
+def unreadable(path: object, reason: OSError | UnicodeDecodeError) -> ExperimentError:
+    """The one line on a file that cannot be read."""
+    why = f"no UTF-8 text at byte {reason.start}" if isinstance(reason, UnicodeDecodeError) else reason.strerror or str(reason)
+    return ExperimentError([f"{path}: cannot be read ({why}): give the path of a TOML file"])
+
+
 def unit_of(field: str) -> str:
     """Unit that a field's suffix states: `kp_a_per_rad` is in A/rad; empty if it states none."""
     words = field.split("_")

@@ -12,7 +12,7 @@ from annotated_types import Interval
 from pydantic import ConfigDict, StringConstraints, TypeAdapter, ValidationError
 
 from experiments.claims import Claim, problems
-from experiments.errors import ExperimentError, from_validation
+from experiments.errors import ExperimentError, from_validation, unreadable
 from services.controller.checks import check
 from services.controller.config import ControllerConfig, Reference
 from services.controller.preflight import preflight
@@ -113,7 +113,7 @@ def from_toml(path: Path) -> Experiment:
     try:
         text = path.read_text(encoding="utf-8")
     except (OSError, UnicodeDecodeError) as reason:
-        raise ExperimentError([f"{path}: cannot be read ({reason}): give the path of a TOML file"]) from None
+        raise unreadable(path, reason) from None
     try:
         return from_plain(tomllib.loads(text), str(path))
     except (tomllib.TOMLDecodeError, RecursionError) as reason:

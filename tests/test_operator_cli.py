@@ -1,6 +1,7 @@
 """The command line without a cell: what it lists, runs on the local clock, writes and refuses."""
 
 import json
+import os
 import tomllib
 from pathlib import Path
 
@@ -68,7 +69,8 @@ def test_a_claim_that_fails_ends_with_1():
     assert "NO" in run.stdout
 
 
-def test_a_trip_ends_with_3_and_names_rule_number_and_limit():
+def test_a_trip_ends_with_3_and_names_rule_number_and_limit(tmp_path: Path, monkeypatch: pytest.MonkeyPatch):
+    monkeypatch.chdir(tmp_path)  # where its report goes
     run = hydrohil("run", "fig-5-5", *LOCAL, "--set", "supervisor.force_limit_n=50.0")
     assert run.exit_code == 3, run.output
     assert "contact force is above its limit" in run.stdout and "against 50" in run.stdout
@@ -142,6 +144,27 @@ def test_a_bad_file_ends_with_2_and_is_named(tmp_path: Path, text: str, words: s
     run = hydrohil("run", str(file), *LOCAL)
     assert run.exit_code == 2
     assert str(file) in run.stderr and words in run.stderr
+
+
+READERS = ("run", "show", "linear", "tune", "campaign", "view", "trip")
+
+
+@pytest.mark.parametrize("command", READERS)
+@pytest.mark.parametrize("made", ["missing", "folder", "no text"])
+def test_a_file_that_cannot_be_read_is_named_in_one_line_and_ends_with_2(command: str, made: str, tmp_path: Path):
+    file = tmp_path / "nope.toml"
+    if made == "folder":
+        file.mkdir()
+    elif made == "no text":
+        file.write_bytes(b"\xff\xfe")
+        if command == "view":
+            file.chmod(0)
+            if os.access(file, os.R_OK):
+                pytest.skip("root reads every file")
+    run = hydrohil(command, str(file))
+    assert run.exit_code == 2, run.output
+    assert str(file) in run.stderr and len(run.stderr.splitlines()) == 1
+    assert "Errno" not in run.stderr and "Traceback" not in run.output
 
 
 def test_a_file_that_cannot_be_written_ends_with_2_before_the_run(tmp_path: Path):

@@ -67,3 +67,14 @@ def test_facts_can_be_taken_away():
     run = explain("--facts", "", "--event", "arm", "--json")
     assert json.loads(run.stdout)["mode"] == "DISARMED"
     assert json.loads(explain("--event", "arm,start", "--json").stdout)["gate"]["state"] == "OPEN"
+
+
+def test_a_cause_is_told_as_json_by_rule_and_condition():
+    (rule,) = json.loads(explain("FORCE_RAW", "--json").stdout)
+    assert (rule["cause"], rule["by"]) == ("FORCE_RAW", "supervisor")
+    assert "394" in rule["limit"] and rule["must_hold"] and "hydrohil recover" in rule["to_do"]
+    both = json.loads(explain("estop", "--json").stdout)
+    assert [told["by"] for told in both] == ["supervisor", "gate"]
+    assert [told["by"] for told in json.loads(explain("gate.estop", "--json").stdout)] == ["gate"]
+    unknown = explain("FORCE_RAV", "--json")
+    assert (unknown.exit_code, unknown.stdout) == (2, "")

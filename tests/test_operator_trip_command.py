@@ -59,6 +59,17 @@ def test_the_page_has_words_and_plots_and_needs_nothing_else(tmp_path: Path):
     assert "http" not in text.replace("http://www.w3.org", "") and "<script" not in text
 
 
+def test_each_plot_of_the_page_names_its_own_curves():
+    _, *plots = page(report()).split("<svg")
+    for plot, unit, curves in zip(
+        plots,
+        ("force in N", "tip moved, mm", "joints moved, deg, cm", "valves in mA"),
+        (("tared", "true contact"), (">x<", ">y<", ">z<"), ("rotate", "down/up", "out/in"), ("rotate", "down/up", "out/in")),
+        strict=True,
+    ):
+        assert unit in plot and all(curve in plot for curve in curves)
+
+
 def test_a_page_of_few_signals_shows_those_that_there_are():
     document = report()
     few = {topic: document["signals"][topic] for topic in ("plant/sample",)}
@@ -98,6 +109,8 @@ def test_a_trip_on_the_local_clock_leaves_the_same_report(tmp_path: Path):
     told = json.loads((tmp_path / "r.json").read_text())
     assert told["trip"]["tick"] == document["tick"] and told["trip_report"] == str(file)
     assert document["cause"] == "FORCE_TARED" and document["measured"] > 50.0
+    assert (document["cell"], document["experiment"]) == ("local", "fig-5-5")
+    assert "experiment fig-5-5" in trip().stdout
     assert document["stop"]["samples_later"] == 1
     assert document["signals"]["supervisor/permit"]["trip_number"][-1] == document["sample"]
     assert document["signals"]["controller/state"]["tick"][-1] == document["tick"]

@@ -98,4 +98,5 @@ def _plot(model: Any, path: Path, title: str) -> None:
     try:
         save_bode(model, path, title, _SHOWN)
     except (OSError, ValueError) as error:
-        raise fail(f"{path}: cannot be written ({error}): name a .png file elsewhere", EXIT_USAGE) from None
+        why = getattr(error, "strerror", None) or error
+        raise fail(f"{path}: cannot be written ({why}): name a .png file elsewhere", EXIT_USAGE) from None

@@ -167,7 +167,8 @@ def _carry_out(
         try:
             drawn = draw_all(plan, table, folder)
         except OSError as reason:
-            raise fail(f"{folder}: a picture cannot be written ({reason}): the table is whole; make room", EXIT_USAGE) from None
+            why = reason.strerror or reason
+            raise fail(f"{folder}: a picture cannot be written ({why}): the table is whole; make room", EXIT_USAGE) from None
         _finish(plan, table, store.final, drawn, ran, wall_s, json_file)
 
 

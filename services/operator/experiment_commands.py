@@ -132,6 +132,8 @@ def view(recording: Annotated[Path | None, typer.Argument(help="A .rrd file; def
     chosen = recording or max(_RUNS.glob("*.rrd"), key=lambda path: path.stat().st_mtime, default=None)
     if chosen is None or not chosen.exists():
         raise fail(f"no recording at {chosen or _RUNS}: run an experiment with --rrd FILE first", EXIT_USAGE)
+    if not chosen.is_file() or not os.access(chosen, os.R_OK):
+        raise fail(f"{chosen}: cannot be read: give the path of a .rrd file", EXIT_USAGE)
     package = importlib.util.find_spec("rerun_cli")
     if package is None or package.origin is None:
         raise fail("the Rerun viewer is not installed: `make install`", EXIT_USAGE)

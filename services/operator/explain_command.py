@@ -34,9 +34,11 @@ def explain(
     """Walk the mode machine: set flags, see what supervisor and gate decide. The code is that of a cell.
 
     Examples: `hydrohil explain`, `hydrohil explain FORCE_RAW`, `echo arm | hydrohil explain`,
-    `hydrohil explain --mode RUNNING --broken FORCE_RAW,JOINT_LIMIT --event reset --json`
+    `hydrohil explain FORCE_RAW --json`, `hydrohil explain --mode RUNNING --broken FORCE_RAW,JOINT_LIMIT --event reset --json`
     """
     try:
+        if cause is not None and as_json:
+            return print(json.dumps(_told_of(cause), indent=2))
         if cause is not None:
             return console.print(*_words_of(cause), sep="\n", highlight=False, soft_wrap=True)
         if mode is None and not broken and facts is None and not event and not as_json:
@@ -196,6 +198,17 @@ def _every_name() -> list[str]:
 
 def _words_of(name: str) -> list[str]:
     """What must hold, the default limit and what to do, of each cause with this name."""
+    lines = []
+    for told in _told_of(name):
+        at_gate = told["by"] == "gate"
+        of = "condition of the gate" if at_gate else f"rule of the supervisor{told['limit']}"
+        lines.append(f"[bold]{_GATE * at_gate}{told['cause']}[/], {of}")
+        lines += [f"  must hold: {told['must_hold']}", f"  to do:     {told['to_do']}"] if told["must_hold"] else []
+    return lines
+
+
+def _told_of(name: str) -> list[dict[str, str]]:
+    """Each cause with this name: the supervisor's rule, the gate's condition, or both."""
     from services.operator.explain import limit_of
     from shared.causes import CUTS, TRIPS
     from shared.messages import GateCause, TripCause
@@ -204,16 +217,17 @@ def _words_of(name: str) -> list[str]:
     trips = {} if of_gate else {cause.name: cause for cause in TripCause if cause}
     cuts = {cause.name: cause for cause in GateCause if cause}
     found = _one_of(name[len(_GATE) :] if of_gate else name, cuts | trips, "cause").name
-    lines = []
+    told = []
     if found in trips:
-        row = TRIPS.get(trips[found])
-        lines += [f"[bold]{found}[/], rule of the supervisor{limit_of(trips[found])}"]
-        lines += [f"  must hold: {row.holds}", f"  to do:     {row.remedy}"] if row else []
+        told.append(_told("supervisor", found, limit_of(trips[found]), TRIPS.get(trips[found])))
     if found in cuts:
-        row = CUTS.get(cuts[found])
-        lines += [f"[bold]{_GATE}{found}[/], condition of the gate"]
-        lines += [f"  must hold: {row.holds}", f"  to do:     {row.remedy}"] if row else []
-    return lines
+        told.append(_told("gate", found, "", CUTS.get(cuts[found])))
+    return told
+
+
+def _told(by: str, cause: str, limit: str, row: Any) -> dict[str, str]:
+    holds, remedy = ("", "") if row is None else (row.holds, row.remedy)
+    return {"cause": cause, "by": by, "limit": limit, "must_hold": holds, "to_do": remedy}
 
 
 def _show(scene: Any, *, as_json: bool = False) -> None:

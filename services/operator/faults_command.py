@@ -27,7 +27,10 @@ def faults(
     trials: Annotated[int, typer.Option(min=1, max=1000, help="Trials of each fault with real processes.")] = 5,
     quick: Annotated[bool, typer.Option("--quick", help="Without the wall clock: local clock, lockstep and tests.")] = False,
     seed: Annotated[int, typer.Option(min=0, help="Of phases, noise and jitter.")] = 0,
-    json_file: Annotated[Path | None, typer.Option("--json", help="Write every number.")] = None,
+    listed: Annotated[bool, typer.Option("--list", help="Show faults, bounds and how each is tried; start nothing.")] = False,
+    json_file: Annotated[
+        Path | None, typer.Option("--json", help="Write every number; with --list the list, - prints it.")
+    ] = None,
     html: Annotated[Path, typer.Option(help="Write the page.")] = Path("runs/faults/faults.html"),
     junit_file: Annotated[Path, typer.Option("--junit", help="Write a case a way.")] = Path("runs/faults/junit.xml"),
     permit_ttl_ms: Annotated[float | None, typer.Option(help="Lease; default: chosen from this host's lateness.")] = None,
@@ -40,9 +43,11 @@ def faults(
     The battery brings up a cell of its own and ends it. Exit status: 0 every fault that was tried is survived, 1 one is not,
     2 usage, 130 interrupted (what is complete is written).
 
-    Examples: `hydrohil faults`, `hydrohil faults --only 1 2 4 5 5b --trials 50`, `hydrohil faults --quick`
+    Examples: `hydrohil faults --list`, `hydrohil faults`, `hydrohil faults --quick`,
+    `hydrohil faults --only 1 2 4 5 5b --trials 50`
     """
     from battery.matrix import find_rows
+    from services.operator import faults_list
     from shared.kernel import source_version
 
     wanted = [*(only or []), *(rows or [])]
@@ -50,10 +55,13 @@ def faults(
         chosen = find_rows(wanted)
     except LookupError as error:
         raise fail(error.args[0], EXIT_USAGE) from None
+    if listed:
+        return faults_list.show(chosen) if json_file is None else faults_list.write_json(chosen, json_file)
     make_folders(json_file, html, junit_file)
     options = [f"--trials {trials}", f"--seed {seed}"] + ["--quick"] * quick
     command = " ".join(["hydrohil faults", *(["--only", *wanted] if wanted else []), *options])
-    report = _play(chosen, cell, port, (trials, seed, quick), service_options(permit_ttl_ms, realtime=realtime))
+    extra = service_options(permit_ttl_ms, realtime=realtime) | {"recorder": ["--trips", str(html.parent / "trips")]}
+    report = _play(chosen, cell, port, (trials, seed, quick), extra)
     report = report._replace(source_version=source_version(), command=command)
     _finish(report, json_file, html, junit_file)
 

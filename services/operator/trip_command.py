@@ -37,7 +37,8 @@ def trip(
     if as_json:
         print(json.dumps({name: value for name, value in document.items() if name != "signals"}, indent=2))
     else:
-        console.print(f"[bold]{document['utc']}[/]  cell {document['cell']}", highlight=False)
+        of = f", experiment {document['experiment']}" if document["experiment"] else ""
+        console.print(f"[bold]{document['utc']}[/]  cell {document['cell']}{of}", highlight=False, soft_wrap=True)
         show_trip(console, document, str(path))
 
 

@@ -41,7 +41,7 @@ def local_report(experiment: Experiment, outcome: Outcome) -> Document | None:
         PERMIT: _permits(outcome, numbers, _column(rows.mode, first)),
     }
     described = about(experiment.plant, GateLimits())
-    return trip_report(signals, Origin(utc_now(), "local", "no", 0, ""), described, {})
+    return trip_report(signals, Origin(utc_now(), "local", "no", 0, experiment.name), described, {})
 
 
 def _column(values: Any, first: int) -> list[Any]:

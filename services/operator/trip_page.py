@@ -28,7 +28,7 @@ Reals = NDArray[np.float64]
 
 def page(document: Document) -> str:
     """The page's text; nothing is loaded from elsewhere."""
-    drawn = svg(Picture("signals", tuple(panels(document))), "trip", "Signals around the trip")
+    drawn = "\n".join(svg(Picture(p.y_label, (p,)), f"trip-{k}", f"{p.y_label}, {_X}") for k, p in enumerate(panels(document)))
     words = "\n".join(trip_words.lines(document)[1:])
     title = f"Trip: {document['cause']}, {document['utc']}"
     head = f'<meta charset="utf-8"/><title>{escape(title)}</title><style>{_STYLE}</style>'

@@ -41,7 +41,7 @@ class Origin(NamedTuple):
     cell: str
     receiver: str  # on whose clock arrivals are stamped
     run: int = 0
-    experiment: str = ""  # its hash
+    experiment: str = ""  # its hash; on the local clock, which loads nothing, its name
 
 
 def trip_report(
