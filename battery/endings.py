@@ -32,7 +32,8 @@ def ended(rig: Rig, dice: Random, number: int, how: signal.Signals, everything: 
         experiment.write_text(to_toml(SWING))
         line = [sys.executable, "-m", "services.operator.cli", "run", str(experiment), "--rrd", str(recording)]
         line += ["--cell", place.cell, "--port", str(place.port), *rig.extra.get("plant", [])]
-        run = subprocess.Popen(line, stdout=subprocess.DEVNULL, stderr=subprocess.DEVNULL, start_new_session=True)
+        quiet = subprocess.DEVNULL
+        run = subprocess.Popen(line, cwd=folder, stdout=quiet, stderr=quiet, start_new_session=True)  # its reports stay there
         try:
             with cells.operator_bus(place) as bus:
                 trial = _ended(Observer(bus), run, dice, how, everything)
