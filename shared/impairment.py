@@ -108,6 +108,7 @@ def draw(seed: int, leg: Leg, fault: Active, tick: int) -> float:
     return math.ldexp(drawn >> 11, 11 - _DRAWN_BITS)  # 53 bits, so that it stays below 1
 
 
+@lru_cache(_REMEMBERED)  # a late message is compared with all that may overtake it, each time anew
 def toll(route: Route, tick: int) -> Toll:
     """What the last leg takes from the message of `tick`."""
     leg, taken = route.legs[-1], Toll()
