@@ -9,7 +9,7 @@ from supervisor_scene import CONFIG, FINE, LIMITS, changed
 from services.supervisor.machine import BRAKES, FULL_SPEED
 from services.supervisor.params import RANDOM_MISSES
 from services.supervisor.rule import GaugeSeen, Limits, MotionSeen, Observed, TransportSeen
-from services.supervisor.rules import RULES, WORDS, first_broken, fold
+from services.supervisor.rules import RULES, WORDS, first_broken, fold, trip_words
 from shared.kernel import compiled
 from shared.messages import GateState, TripCause
 
@@ -332,3 +332,8 @@ def test_a_link_that_loses_one_in_a_hundred_runs_and_one_that_loses_one_in_five_
     assert (above_floor > 0.999) if trips else (above_floor < 1e-12)
     without_outage = stats.binom.sf(RANDOM_MISSES, 100, missed)
     assert trips or without_outage < 1e-8
+
+
+def test_a_trip_tells_its_number_and_limit_and_an_emergency_stop_has_none():
+    assert trip_words(TripCause.FORCE_RAW, 431.25, 420.0, 17) == f"{WORDS[TripCause.FORCE_RAW]}: 431.2 against 420 (sample 17)"
+    assert trip_words(TripCause.ESTOP, 0.0, 0.0, 17) == f"{WORDS[TripCause.ESTOP]} (sample 17)"
