@@ -14,6 +14,7 @@ from shared.messages import GateCause, GateState
 
 MOVING = (2100, 2000, 2048)
 PERIOD, LATCH = 90, 72  # sub-steps of the thesis' period and of its latch
+LEASE_NS = GateLimits().permit_ttl_ns
 FIRST = 3  # sample of the trial's first tick
 CONFIG = PlantConfig(bias_s=0.11)
 OPENED = FIRST + 24 + 1  # bias ticks before tick 0, and one sample until what its answer opened is told
@@ -37,7 +38,7 @@ class Wall:
             self.coming.remove(due[0])
             self.now_ns = max(self.now_ns, due[0][0])
             due[0][1]()
-        self.now_ns = until_ns
+        self.now_ns = max(self.now_ns, until_ns)
 
     def at(self, instant_ns, happens):
         self.coming.append((instant_ns, happens))
@@ -88,19 +89,19 @@ class Peers(FakeBus):
 
 
 class Scene:
-    """A plant whose gate is open."""
+    """A plant whose gate is open, or that waits for its trial."""
 
-    def __init__(self, monkeypatch):
+    def __init__(self, monkeypatch, clock_name="real", opened=True):
         self.wall, timeline = Wall(), Timeline()
         for module in (service, clock, inbox):
             monkeypatch.setattr(module, "time", self.wall)
         self.bus, self.device = Peers(self.wall), Device(timeline)
         self.plant = service.Plant(self.bus, self.device, timeline, GateLimits(), lambda: False, LeaseChoice(fixed=True))
-        text = seal({}, run=0, seed=0, clock="real", bias_ticks=24, duration_ticks=400)
+        text = seal({}, run=0, seed=0, clock=clock_name, bias_ticks=24, duration_ticks=400)
         self.plant.schedule = Schedule(CONFIG, unseal(text))
-        while timeline.number < OPENED:
+        while timeline.number < (OPENED if opened else FIRST - 1):
             self.period()
-        assert self.plant.keeper.gate.state == GateState.OPEN and self.device.written[-1][1] == MOVING
+        assert (self.plant.keeper.gate.state == GateState.OPEN and self.device.written[-1][1] == MOVING) == opened
 
     def period(self):
         self.plant.sample()
@@ -185,3 +186,17 @@ def test_in_lockstep_a_stop_is_served_while_the_plant_waits_for_an_answer(monkey
     scene.plant.latch()
     assert len(query.replies) == 1
     assert scene.device.written[-1][1] == ZERO and scene.device.written[-1][0] <= due + LATCH
+
+
+@pytest.mark.parametrize(
+    ("clock_name", "stalled_ns", "burned"),
+    [("real", LEASE_NS, set()), ("real", LEASE_NS + 1, {77}), ("lockstep", LEASE_NS + 1, set())],
+)
+def test_a_stall_before_the_first_tick_burns_the_arming_only_where_the_wall_clock_paces(
+    monkeypatch, clock_name, stalled_ns, burned
+):
+    scene = Scene(monkeypatch, clock_name, opened=False)
+    due_ns = scene.plant.grid.instant_ns(scene.plant.due)
+    scene.wall.at(due_ns, lambda: setattr(scene.wall, "now_ns", due_ns + stalled_ns))
+    scene.plant.sample()
+    assert scene.plant.keeper.burned == burned

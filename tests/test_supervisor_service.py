@@ -12,7 +12,7 @@ from services.supervisor.observe import Watch
 from services.supervisor.service import Supervisor
 from shared.codec import Received
 from shared.envelope import seal
-from shared.messages import Mode, TripCause
+from shared.messages import NO_TRIAL, Mode, Passed, TripCause
 from shared.requests import Request
 
 
@@ -181,6 +181,14 @@ class Linked(Scene):
         self.supervisor.step()
         return self.supervisor.memory
 
+    def sampled_alone(self):
+        """A sample of a trial without the controller's state before it; how many verdicts it gets."""
+        before = len(self.bus.of("supervisor/permit"))
+        run, number = self.bus.run, self.number + 2
+        self.bus.send("plant/sample", header("plant/sample", number, run=run.run, experiment=run.experiment), sample(number, 3))
+        self.supervisor.step()
+        return len(self.bus.of("supervisor/permit")) - before
+
     def started(self):
         self.step()
         self.commit(self.load()[2])
@@ -289,3 +297,67 @@ def test_a_supervisor_that_falls_behind_by_a_lease_does_not_take_the_controller_
         send(number)
     scene.supervisor.step()
     assert Mode(scene.supervisor.memory.mode) == mode
+
+
+class InStep(Linked):
+    """A lockstep trial of eight bias ticks that begins with sample 1."""
+
+    def __init__(self):
+        super().__init__()
+        text = seal({}, run=7, seed=1, clock="lockstep", bias_ticks=8, duration_ticks=100)
+        self.commit(self.ask("load", envelope=text)[2])
+        self.ours = {"run": self.bus.run.run, "experiment": self.bus.run.experiment}
+        self.judged()
+
+    def sampled(self, number, tick):
+        head = header("plant/sample", number, echo_number=number, **self.ours)
+        self.bus.send("plant/sample", head, sample(number, tick))
+        return self
+
+    def answered(self, number):
+        head = header("controller/state", number, echo_number=number, **self.ours)
+        self.bus.send("controller/state", head, state_body(number))
+        return self
+
+    def passed(self, number, seq, **changes):
+        head = header("controller/passed", seq, **(self.ours | changes))
+        self.bus.send("controller/passed", head, Passed(number))
+        return self
+
+    def judged(self):
+        """Samples judged since the last call."""
+        before = len(self.bus.published)
+        self.supervisor.step()
+        return [echo[0] for key, _, echo in self.bus.published[before:] if key == "supervisor/permit"]
+
+
+def test_in_lockstep_a_sample_waits_for_the_controllers_state_before_it():
+    scene = InStep()
+    assert scene.sampled(10, -8).judged() == [10]  # the trial's first: before it nobody waited
+    assert scene.sampled(11, -7).judged() == []
+    assert scene.judged() == []
+    assert scene.answered(9).judged() == []
+    assert scene.answered(10).judged() == [11]
+    assert scene.answered(11).sampled(12, -6).judged() == [12]
+
+
+def test_in_lockstep_nobody_waits_for_the_answer_to_a_sample_that_a_fault_kept_from_the_controller():
+    scene = InStep()
+    assert scene.sampled(10, -8).judged() == [10]
+    assert scene.sampled(11, -7).passed(10, 0, run=8).judged() == []
+    assert scene.passed(10, 1).judged() == [11]
+
+
+def test_outside_a_lockstep_trial_no_sample_waits():
+    scene = InStep()
+    assert scene.sampled(11, NO_TRIAL).judged() == [11]
+    assert Linked().started().sampled_alone() == 1
+
+
+def test_a_new_load_forgets_the_samples_that_wait():
+    scene = InStep()
+    scene.sampled(10, -8).judged()
+    assert scene.sampled(11, -7).judged() == []
+    scene.supervisor.pending = (scene.supervisor.envelope, scene.supervisor.config)
+    scene.commit({"digest": scene.supervisor.envelope.digest.hex()})
+    assert scene.answered(10).judged() == []

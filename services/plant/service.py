@@ -214,7 +214,7 @@ class Plant:
             self.keeper.limits = self.keeper.limits._replace(permit_ttl_ns=lease_ns, command_ttl_ns=lease_ns)
             self.device.watchdog(lease_ns // SUBSTEP_NS)
             self.tell_about()
-        if self.lease.chosen and late_ns > self.keeper.limits.permit_ttl_ns:
+        if self.lease.chosen and not self.schedule.lockstep and late_ns > self.keeper.limits.permit_ttl_ns:
             self.keeper.judge(self.now_ns(), at_latch=False, overslept=True)
 
     def _heed_stops(self) -> None:

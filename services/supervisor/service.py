@@ -4,6 +4,7 @@ import gc
 import os
 import time
 from collections.abc import Callable
+from itertools import takewhile
 from typing import Any
 
 from services.supervisor.answers import quality
@@ -59,6 +60,9 @@ class Supervisor:
         self.samples, self.abouts = bus.subscribe("plant/sample"), bus.subscribe("plant/about")
         self.states = bus.subscribe("controller/state")
         self._inboxes = (self.samples, self.states, self.abouts)
+        self._passed = bus.subscribe("controller/passed")
+        self._silent = NO_COMMAND  # newest sample that a fault kept from the controller
+        self._waiting: list[Received] = []  # samples, in lockstep, for the controller's state before them
         self.memory = SupervisorMemory()
         self.about: About | None = None
         self.envelope: Envelope | None = None
@@ -84,7 +88,7 @@ class Supervisor:
         for message in self.states.take():
             self.controller = message
             self.states.acceptance.other_run += not same_run(message.header, self.bus.run)
-        messages, passages = self.samples.take(), self.samples.passages()
+        messages, passages = self._due(self.samples.take()), self.samples.passages()
         for passage in passages:
             self._judge_silence(passage)
         for message in messages:
@@ -97,6 +101,20 @@ class Supervisor:
             self._serve(request)
         if not messages:
             self._judge_absence()
+
+    def _due(self, coming: list[Received]) -> list[Received]:
+        """Samples to judge now. Verdict n is a function of the controller's state n - 1: in lockstep, sample n waits for it."""
+        self._waiting += coming
+        passed = (message.body.number for message in self._passed.take() if same_run(message.header, self.bus.run))
+        self._silent = max(self._silent, *passed, NO_COMMAND)
+        heard = max(self.states.number, self.states.arrived(), self._silent)  # what a fault has, or took before, comes no more
+        due = list(takewhile(lambda message: message.body.number - 1 <= heard or not self._in_step(message), self._waiting))
+        self._waiting = self._waiting[len(due) :]
+        return due
+
+    def _in_step(self, sample: Received) -> bool:
+        """Whether the plant waited, at the sample before, until the controller had answered."""
+        return self._lockstep and self.envelope is not None and sample.body.tick > -self.envelope.bias_ticks
 
     def _patience_s(self) -> float:
         """How long to wait for a sample before its absence is judged."""
@@ -278,6 +296,7 @@ class Supervisor:
         except ValueError as error:
             return request.refuse(str(error))
         self.envelope, self.config = envelope, config
+        self._waiting, self._silent = [], NO_COMMAND
         self._prepare()
         self.bus.run = Run(envelope.run, envelope.digest, 0)
         self.bus.impair(conditions)
