@@ -130,7 +130,7 @@ def disagreeing(rig: Rig, dice: Random, number: int) -> Trial:
         answer = rig.bus.ask("supervisor", "arm", {}, 1.0)
         if answer is not None and answer.accepted:
             return Trial(False, f"armed although the {odd} has another experiment")
-    load(rig.bus, motion(0), dice.randrange(1 << 32), "real")
+    load(rig.bus, motion(0), dice.randrange(1 << 32), "real", unqualified=True)
     heard = rig.observer.listen()
     named = answer is not None and "experiment" in answer.reason
     return Trial(named and all(safe(m) for m in heard.samples), f"the {odd} differs: {answer.reason if answer else 'no answer'}")

@@ -38,7 +38,7 @@ def _armed(place: cells.Place, started: cells.Processes, order: tuple[str, ...])
     with cells.operator_bus(place) as bus:
         observer = Observer(bus)
         cells.await_ready(place, bus, started)
-        load(bus, SWING, 0, "real")
+        load(bus, SWING, 0, "real", unqualified=True)
         arm(bus)
         seconds = time.monotonic() - complete
         heard = observer.listen()
@@ -69,7 +69,7 @@ def rejoined(rig: Rig, dice: Random, number: int) -> Trial:
     rig.processes[service].wait()
     time.sleep(dice.uniform(0.0, PAUSE_S))
     rig.revive()
-    load(rig.bus, SWING, 0, "real")
+    load(rig.bus, SWING, 0, "real", unqualified=True)
     arm(rig.bus)
     present = _comes(rig.bus, service)
     unsafe = sum(not safe(sample) for sample in rig.observer.listen().samples)

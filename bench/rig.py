@@ -3,7 +3,6 @@
 import argparse
 import contextlib
 import json
-import math
 import os
 import platform
 import random
@@ -58,22 +57,12 @@ def running(place: cells.Place, extra: dict[str, list[str]]) -> Iterator[tuple[B
 
 
 def hydrohil(*arguments: str, place: cells.Place | None = None) -> subprocess.CompletedProcess[str]:
-    """`hydrohil ...` to its end."""
+    """`hydrohil ...` to its end; what is measured here is measured above a signed rate too."""
+    arguments += ("--unqualified",) * (arguments[0] == "run")
     where = [] if place is None else ["--cell", place.cell, "--port", str(place.port)]
     return subprocess.run(
         [sys.executable, "-m", "services.operator.cli", *arguments, *where], capture_output=True, text=True, check=False
     )
-
-
-def percentile(values: Sequence[float], share: float) -> float:
-    """Nearest rank; NaN without values."""
-    ordered = sorted(values)
-    return ordered[min(len(ordered) - 1, int(share * len(ordered)))] if ordered else math.nan
-
-
-def spread(values: Sequence[float]) -> dict[str, float]:
-    """p50, p99 and max."""
-    return {"p50": percentile(values, 0.5), "p99": percentile(values, 0.99), "max": max(values, default=math.nan)}
 
 
 def table(title: str, columns: Sequence[str], rows: Sequence[Sequence[object]]) -> None:

@@ -57,7 +57,7 @@ def resident_bytes(pid: int) -> int:
 def soak(bus: Bus, processes: cells.Processes, experiment: Experiment) -> dict[str, Any]:
     """Watch one trial to its end."""
     samples, permits = bus.subscribe("plant/sample", RING), bus.subscribe("supervisor/permit", RING)
-    load(bus, experiment, 0, "real")
+    load(bus, experiment, 0, "real", unqualified=True)
     arm(bus)
     cells.ask(bus, "supervisor", "start")
     memory: dict[str, list[tuple[float, int]]] = {name: [] for name in processes}

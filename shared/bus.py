@@ -134,6 +134,20 @@ class Bus:
         self._session.declare_subscriber(expression(self.identity.cell, key), handler)
         return inbox
 
+    def listen(self, key: str, take: Callable[[bytes], None]) -> None:
+        """Bare payloads of a topic, for who measures the transport: `take` runs in its callback."""
+
+        def heard(sample: Any) -> None:
+            take(sample.payload.to_bytes())
+            self.wake()
+
+        self._session.declare_subscriber(expression(self.identity.cell, key), zenoh.handlers.Callback(heard, indirect=False))
+
+    def sender(self, key: str) -> Callable[[bytes], None]:
+        """What sends bare payloads on a topic, with its quality of service."""
+        put: Callable[[bytes], None] = self._declare(BY_KEY[key], expression(self.identity.cell, key)).put
+        return put
+
     def publish(self, key: str, body: tuple[Any, ...], echo: tuple[int, int] = (NO_COMMAND, 0)) -> None:
         """Send one message; `echo` is number and time of the sample it answers or judges."""
         topic = BY_KEY[key]

@@ -15,12 +15,25 @@ from collections.abc import Callable
 from pathlib import Path
 from typing import Any, TypeVar
 
+from shared import cache
+
 Function = TypeVar("Function", bound=Callable[..., Any])
 
 _marked: list[Callable[..., Any]] = []
 _registered = 0
 _SOURCE_ROOT = Path(__file__).resolve().parent.parent
-_SOURCE_FOLDERS = ("shared", "services", "rollout", "experiments", "analysis", "reproduction", "tuning", "battery", "campaigns")
+SOURCE_FOLDERS = (
+    "shared",
+    "services",
+    "rollout",
+    "experiments",
+    "analysis",
+    "reproduction",
+    "tuning",
+    "battery",
+    "campaigns",
+    "qualification",
+)
 RECURSION = 10_000  # inference descends some twenty frames a nested call, and the supervisor's rules nest thirty deep
 KERNEL_FOLDERS = ("shared", "services/plant", "services/controller", "services/supervisor", "rollout")  # where kernels may be
 
@@ -33,7 +46,7 @@ def kernel(function: Function) -> Function:
 
 def source_version() -> str:
     """SHA-256 (16 hex digits) over every source file: names the code that produced a result."""
-    return _hash_of(_SOURCE_FOLDERS)
+    return _hash_of(SOURCE_FOLDERS)
 
 
 def kernel_version() -> str:
@@ -53,8 +66,7 @@ def _hash_of(folders: tuple[str, ...]) -> str:
 def _point_cache_at_sources() -> None:
     """Key numba's cache folder by every source of a kernel: its own key misses a callee that changed in another file."""
     machine = hashlib.sha256(f"{platform.machine()}{platform.processor()}{platform.python_version()}".encode())
-    base = Path(os.environ.get("HYDROHIL_CACHE", Path.home() / ".cache" / "hydrohil"))
-    os.environ["NUMBA_CACHE_DIR"] = str(base / "kernels" / f"{kernel_version()}-{machine.hexdigest()[:8]}")
+    os.environ["NUMBA_CACHE_DIR"] = str(cache.folder() / "kernels" / f"{kernel_version()}-{machine.hexdigest()[:8]}")
 
 
 def compiled(function: Function) -> Function:

@@ -58,7 +58,7 @@ def main(service: str, ways: str) -> None:
         with cells.operator_bus(place) as bus:
             cells.await_ready(place, bus, started)
             port = caller_port(started[service].pid, place.port)
-            load(bus, experiment(30.0), 1, "real")
+            load(bus, experiment(30.0), 1, "real", unqualified=True)
             arm(bus)
             cells.ask(bus, "supervisor", "start")
             until(lambda: not said(bus)["at_rest"], "the valves move")

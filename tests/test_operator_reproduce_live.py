@@ -21,7 +21,7 @@ class Silent:
 def test_after_a_trip_nothing_is_reset_and_nothing_else_is_played(monkeypatch: pytest.MonkeyPatch):
     seen = []
 
-    def tripping(bus: object, experiment: object, seed: int, *_: object) -> Live:
+    def tripping(bus: object, experiment: object, seed: int, *_: object, unqualified: bool) -> Live:
         seen.append(seed)
         return Live(None, "", "force above its limit" if seed == 1 else "", {}, ())
 

@@ -9,7 +9,7 @@ from typing import Any
 import pytest
 from recorder_trial import BIAS_TICKS, trial
 from rerun.chunk import RrdReader
-from test_recorder_recording import read
+from test_recorder_recording import read, texts
 
 from services.recorder import service
 from services.recorder.recorder import Recorder
@@ -34,6 +34,53 @@ def test_record_status_and_finish_are_answered_with_what_was_written(tmp_path: P
     finished = Asked(recorder, tmp_path, "finish", summary_markdown="# PASS").values
     assert finished["gaps"] == 0
     assert finished["bytes"] == (tmp_path / "a" / "b.rrd").stat().st_size
+
+
+QUALIFICATION = {
+    "signed_period_ns": 4_500_000,
+    "grade": "B",
+    "made": "2026-11-28 02:00:00+00:00",
+    "period_ns": 4_500_000,
+    "samples": 4444,
+    "late_share": 0.0005,
+    "accepted_p999_us": 1400.0,
+    "wake_up_max_us": None,
+    "lease_ms": 36.0,
+}
+
+
+@pytest.mark.parametrize(
+    ("told", "words", "grade"),
+    [(QUALIFICATION, "signed for 222.2 Hz, grade B (2026-11-28", ["B"]), (None, "not qualified", [])],
+)
+def test_a_recording_carries_how_its_host_is_qualified(tmp_path: Path, told: Any, words: str, grade: list[str]):
+    recorder = Recorder("bench")
+    asked = Asked(recorder, tmp_path, "record", path="x.rrd", title="t", qualification=told)
+    assert asked.accepted, asked.reason
+    Asked(recorder, tmp_path, "finish", summary_markdown="# PASS")
+    documents = texts(tmp_path / "x.rrd", "summary", "TextDocument:text")
+    assert len(documents) == 2 and all(words in text for text in documents)
+    properties = property_columns(tmp_path / "x.rrd", "qualification")
+    assert properties.get("grade", []) == grade
+    assert words in properties["words"][0] and "wake_up_max_us" not in properties
+
+
+def property_columns(path: Path, name: str) -> dict[str, list[Any]]:
+    """Values of a recording's property, by column."""
+    found = {}
+    for chunk in RrdReader(path).stream():
+        if str(chunk.entity_path) == f"/__properties/{name}":
+            batch = chunk.to_record_batch()
+            found |= {
+                column: [v for row in batch.column(column).to_pylist() if row for v in row] for column in batch.schema.names
+            }
+    return found
+
+
+def test_a_qualification_that_is_none_is_refused(tmp_path: Path):
+    asked = Asked(Recorder("bench"), tmp_path, "record", path="x.rrd", title="t", qualification={"grade": "A"})
+    assert not asked.accepted and "qualification" in asked.reason
+    assert list(tmp_path.iterdir()) == []
 
 
 @pytest.mark.parametrize("path", ["", "trial.txt", "a/b"])

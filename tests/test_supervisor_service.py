@@ -13,15 +13,16 @@ from services.supervisor.service import Supervisor
 from shared.codec import Received
 from shared.envelope import seal
 from shared.messages import NO_TRIAL, Mode, Passed, TripCause
+from shared.qualified import UNKNOWN, Qualified, Standing
 from shared.requests import Request
 
 
 class Scene:
     """A supervisor that has heard of the plant, and a plant that is judged sample by sample."""
 
-    def __init__(self):
-        self.bus = FakeBus()
-        self.supervisor = Supervisor(self.bus)
+    def __init__(self, known=UNKNOWN):
+        self.bus, self.known = FakeBus(), known
+        self.supervisor = Supervisor(self.bus, lambda: self.known)
         self.supervisor._learn(ABOUT)
         self.number = 0
         self.judge()
@@ -42,15 +43,15 @@ class Scene:
             self.judge()
         return answers[0]
 
-    def load(self, **supervisor):
-        text = seal({"supervisor": supervisor}, run=7, seed=1, clock="real", bias_ticks=8, duration_ticks=100)
-        return self.ask("load", envelope=text)
+    def load(self, clock="real", unqualified=False, **supervisor):
+        text = seal({"supervisor": supervisor}, run=7, seed=1, clock=clock, bias_ticks=8, duration_ticks=100)
+        return self.ask("load", envelope=text, unqualified=unqualified)
 
     def commit(self, values):
         return self.ask("commit", digest=values["digest"])
 
-    def armed(self):
-        self.commit(self.load()[2])
+    def armed(self, **load):
+        self.commit(self.load(**load)[2])
         return self.ask("arm")
 
 
@@ -361,3 +362,64 @@ def test_a_new_load_forgets_the_samples_that_wait():
     scene.supervisor.pending = (scene.supervisor.envelope, scene.supervisor.config)
     scene.commit({"digest": scene.supervisor.envelope.digest.hex()})
     assert scene.answered(10).judged() == []
+
+
+def signed_for(period_ns):
+    """A host on which this period is the shortest that is signed."""
+    return Standing(Qualified(period_ns, "B", "yesterday", period_ns or 1, 4000, 0.0, 1.0, 1.0, 20.0), "signed")
+
+
+@pytest.mark.parametrize(
+    ("period_ns", "armed"),
+    [
+        (ABOUT.sample_period_ns, True),
+        (ABOUT.sample_period_ns - 50_000, True),
+        (ABOUT.sample_period_ns + 50_000, False),
+        (0, False),
+    ],
+)
+def test_a_rate_that_is_signed_is_armed_and_one_just_above_it_is_refused_with_both(period_ns, armed):
+    scene = Scene(signed_for(period_ns))
+    accepted, reason, _ = scene.armed()
+    assert accepted == armed
+    assert scene.bus.run.arming != 0 if armed else scene.bus.run.arming == 0
+    assert armed or all(word in reason for word in ("222.2 Hz", "hydrohil qualify", "--unqualified"))
+
+
+def test_above_the_signed_rate_it_arms_only_for_the_run_that_is_loaded_so_on_purpose():
+    scene = Scene(signed_for(0))
+    assert scene.armed(unqualified=True)[0]
+    scene.ask("stop")
+    assert not scene.armed()[0]
+    for word in ("true", 1, None):
+        assert not scene.armed(unqualified=word)[0]
+
+
+def test_in_lockstep_the_host_does_not_matter():
+    assert Scene(signed_for(0)).armed(clock="lockstep")[0]
+
+
+def test_a_host_without_a_record_arms_and_says_that_it_is_not_qualified():
+    scene = Scene()
+    assert scene.supervisor.status()["qualification"] is None
+    assert "hydrohil qualify" in scene.supervisor.status()["qualified"]
+    assert scene.armed()[0]
+
+
+def test_a_record_made_since_the_start_counts_from_the_next_load_on():
+    scene = Scene()
+    assert scene.armed()[0]
+    scene.known = signed_for(0)
+    assert scene.ask("start")[0]
+    assert scene.supervisor.status()["qualification"] is None
+    scene.ask("stop")
+    assert scene.load()[2]["qualification"] == scene.known.qualified._asdict()
+    assert not scene.armed()[0]
+
+
+def test_an_armed_cell_whose_plant_then_tells_a_faster_rate_is_disarmed():
+    scene = Scene(signed_for(ABOUT.sample_period_ns))
+    assert scene.armed()[0]
+    scene.supervisor._learn(ABOUT._replace(sample_period_ns=ABOUT.sample_period_ns - 50_000))
+    scene.judge()
+    assert scene.supervisor.memory.mode == Mode.DISARMED

@@ -11,6 +11,7 @@ from collections.abc import Iterable, Iterator
 from pathlib import Path
 from typing import Any, NamedTuple
 
+from shared import cache
 from shared.bus import Bus, BusError
 from shared.messages import Answer
 from shared.process import draw_number
@@ -30,6 +31,10 @@ class RefusedError(CellError):
     """A service has answered, and refuses."""
 
 
+class UnqualifiedError(CellError):
+    """The experiment's rate is above the one that this host is signed for."""
+
+
 class TrippedError(CellError):
     """The supervisor has tripped; nothing runs before a reset."""
 
@@ -43,7 +48,7 @@ class Place(NamedTuple):
     @property
     def folder(self) -> Path:
         """Logs and process numbers of this cell."""
-        return Path(os.environ.get("HYDROHIL_CACHE", Path.home() / ".cache" / "hydrohil")) / "cells" / self.cell
+        return cache.folder() / "cells" / self.cell
 
 
 Processes = dict[str, subprocess.Popen[bytes]]

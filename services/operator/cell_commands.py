@@ -45,6 +45,7 @@ def up(
         f"cell {cell!r} ready in {time.monotonic() - began:.2f} s; lease {lease_ms:.1f} ms; logs in {place.folder}",
         soft_wrap=True,
     )
+    console.print(found["supervisor"]["qualified"], soft_wrap=True, markup=False, highlight=False)
 
 
 @app.command()
@@ -201,7 +202,12 @@ def _words(service: str, found: dict[str, Any] | None) -> str:
     from services.operator.emergency import drives
 
     if service == "supervisor":
-        return "\n".join([f"{found['mode']}  {found['words']}", *(f"[yellow]{line}[/]" for line in found["warnings"])])
+        lines = [
+            f"{found['mode']}  {found['words']}",
+            found.get("qualified", ""),
+            *(f"[yellow]{line}[/]" for line in found["warnings"]),
+        ]
+        return "\n".join(lines)
     if service == "plant":
         gate = "open" if found["gate"] == GateState.OPEN else f"shut: {found['gate_cause']}"
         driven = found.get("dac_readback") or found["dac_counts"]

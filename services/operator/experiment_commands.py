@@ -15,6 +15,7 @@ from services.operator.options import (
     Injected,
     Port,
     Settings,
+    Unqualified,
     app,
     console,
     fail,
@@ -88,6 +89,7 @@ def run(
     port: Port = DEFAULT_PORT,
     permit_ttl_ms: Annotated[float | None, typer.Option(help="Lease of a cell brought up for this run.")] = None,
     realtime: Annotated[bool, typer.Option(help="Real-time scheduling of a cell brought up for this run.")] = True,
+    unqualified: Unqualified = False,
 ) -> None:
     """Run an experiment and judge its claims.
 
@@ -110,11 +112,13 @@ def run(
     if unplayed := unplayable(experiment.faults, clock):
         raise fail("\n".join(unplayed), EXIT_USAGE)
     place = cells.Place(cell, port)
-    wanted = Wanted(experiment, clock, seed, rrd, trace_file, service_options(permit_ttl_ms, realtime=realtime))
+    wanted = Wanted(experiment, clock, seed, rrd, trace_file, service_options(permit_ttl_ms, realtime=realtime), unqualified)
     try:
         report = run_experiment(place, wanted, console)
     except cells.TrippedError as error:
         raise fail(error, EXIT_TRIPPED) from None
+    except cells.UnqualifiedError as error:
+        raise fail(error, EXIT_USAGE) from None
     except cells.CellError as error:
         raise fail(error, EXIT_TRANSPORT) from None
     except KeyboardInterrupt:

@@ -32,6 +32,10 @@ Injected = Annotated[
     list[str] | None,
     typer.Option("--inject", metavar="FAULT", help="Break something: 'KIND TARGET [value=V] [at=SECONDS] [for=SECONDS]'."),
 ]
+Unqualified = Annotated[
+    bool,
+    typer.Option("--unqualified", help="On the real clock, above the rate that `hydrohil qualify` has signed for this host."),
+]
 AsJson = Annotated[bool, typer.Option("--json", help="Print JSON.")]
 
 

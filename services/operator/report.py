@@ -15,6 +15,7 @@ from services.recorder.trip_report import Document
 from shared.faults import words
 from shared.kernel import source_version
 from shared.process import EXIT_CLAIM, EXIT_OK, EXIT_TRANSPORT, EXIT_TRIPPED
+from shared.qualified import of_plain
 
 
 class Report(NamedTuple):
@@ -33,6 +34,7 @@ class Report(NamedTuple):
     struck: tuple[str, ...] = ()  # faults of processes that were carried out
     trip: Document | None = None
     trip_file: str = ""
+    qualification: dict[str, Any] | None = None  # of the host of a live run
 
     @property
     def exit_status(self) -> int:
@@ -142,6 +144,8 @@ def write_json(path: Path, report: Report) -> None:
                 "wall_s": report.wall_s,
                 "latencies": report.latencies or None,
                 "recording": report.recording or None,
+                "qualification": report.qualification,
+                "qualified": None if report.clock == "local" else of_plain(report.qualification).words,
                 "warnings": list(report.warnings),
                 "faults": [fault._asdict() for fault in report.experiment.faults],
                 "struck": list(report.struck),

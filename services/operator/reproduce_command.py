@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING, Annotated, Any
 
 import typer
 
-from services.operator.options import CellName, Port, app, console, fail, make_folders, service_options, writing
+from services.operator.options import CellName, Port, Unqualified, app, console, fail, make_folders, service_options, writing
 from shared.bus import DEFAULT_PORT
 from shared.process import EXIT_TRANSPORT, EXIT_TRIPPED, EXIT_USAGE
 
@@ -32,6 +32,7 @@ def reproduce(
     port: Port = DEFAULT_PORT,
     permit_ttl_ms: Annotated[float | None, typer.Option(help="Lease of a cell brought up for this.")] = None,
     realtime: Annotated[bool, typer.Option(help="Real-time scheduling of a cell brought up for this.")] = True,
+    unqualified: Unqualified = False,
 ) -> None:
     """Try every figure of the thesis again: one page with plots and verdicts, and a JUnit file.
 
@@ -59,9 +60,11 @@ def reproduce(
             from services.operator.reproduce_live import reproduce_live
 
             options = service_options(permit_ttl_ms, realtime=realtime)
-            done = reproduce_live(cells.Place(cell, port), groups, seeds, clock, options, console)
+            done = reproduce_live(cells.Place(cell, port), groups, seeds, clock, options, console, unqualified=unqualified)
     except cells.TrippedError as error:
         raise fail(error, EXIT_TRIPPED) from None
+    except cells.UnqualifiedError as error:
+        raise fail(error, EXIT_USAGE) from None
     except (cells.CellError, LostWorkerError) as error:
         raise fail(error, EXIT_TRANSPORT) from None
     except KeyboardInterrupt:

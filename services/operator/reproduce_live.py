@@ -16,7 +16,14 @@ from shared.bus import Bus
 
 
 def reproduce_live(
-    place: cells.Place, groups: Iterable[Group], seeds: int, clock: str, extra: dict[str, list[str]], console: Console
+    place: cells.Place,
+    groups: Iterable[Group],
+    seeds: int,
+    clock: str,
+    extra: dict[str, list[str]],
+    console: Console,
+    *,
+    unqualified: bool = False,
 ) -> list[Done]:
     """Every group with every seed; drawn when the cell has nothing left to do. Raises CellError, TrippedError.
 
@@ -30,7 +37,7 @@ def reproduce_live(
         task = progress.add_task("", total=sum(simulated_s([find(name)]) for name, _ in trials))
         for name, seed in trials:
             progress.update(task, description=f"{name}, seed {seed}")
-            played[name, seed] = _play(bus, name, seed, clock)
+            played[name, seed] = _play(bus, name, seed, clock, unqualified=unqualified)
             progress.advance(task, simulated_s([find(name)]))
             if played[name, seed].tripped:
                 left = Played(None, gap=f"not played: {name}, seed {seed}, has tripped the rig; it is left so")
@@ -40,7 +47,7 @@ def reproduce_live(
         return [judged(job, {name: played[name, job.seed] for name in job.group.trials}) for job in todo]
 
 
-def _play(bus: Bus, name: str, seed: int, clock: str) -> Played:
+def _play(bus: Bus, name: str, seed: int, clock: str, *, unqualified: bool) -> Played:
     """One trial. Raises CellError, TrippedError."""
-    live = run_live(bus, find(name), seed, clock, lambda _: None)
+    live = run_live(bus, find(name), seed, clock, lambda _: None, unqualified=unqualified)
     return Played(live.trace, live.tripped, live.gap)

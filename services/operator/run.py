@@ -23,6 +23,7 @@ from services.operator.trip_file import kept_file
 from services.operator.trip_local import local_report
 from services.recorder.trip_report import Document
 from shared.bus import Bus
+from shared.qualified import NOT_QUALIFIED
 from shared.topics import SERVICES
 
 _POLL_S = 0.05
@@ -39,6 +40,7 @@ class Wanted(NamedTuple):
     rrd: Path | None
     trace: Path | None
     extra: dict[str, list[str]]
+    unqualified: bool = False  # above the rate that this host is signed for, on purpose
 
 
 def run_experiment(place: cells.Place, wanted: Wanted, console: Console) -> Report:
@@ -98,7 +100,10 @@ def _found(bus: Bus) -> set[str]:
 
 
 def _run_and_record(bus: Bus, wanted: Wanted, console: Console) -> Report:
-    recorded = _start_recording(bus, wanted, console)
+    told = cells.ask(bus, "supervisor", "status")
+    if wanted.clock == "real" and told.get("qualification") is None:
+        _note(console, told)
+    recorded = _start_recording(bus, wanted, console, told.get("qualification"))
     trips: list[Document] = []
     began = time.perf_counter()
     try:
@@ -111,6 +116,7 @@ def _run_and_record(bus: Bus, wanted: Wanted, console: Console) -> Report:
                 wanted.clock,
                 lambda t: progress.update(task, completed=max(0.0, t)),
                 trips.append,
+                unqualified=wanted.unqualified,
             )
     except (KeyboardInterrupt, cells.CellError):
         if recorded:
@@ -120,7 +126,7 @@ def _run_and_record(bus: Bus, wanted: Wanted, console: Console) -> Report:
         raise
     wall_s = time.perf_counter() - began
     report = _report(wanted, live.trace, live.tripped, live.gap, wall_s, _latencies(live))
-    report = report._replace(struck=live.struck)
+    report = report._replace(struck=live.struck, qualification=told.get("qualification"))
     of_cell = tuple(line for line in live.warnings if line not in report.warnings)
     _warn(console, of_cell)
     report = report._replace(warnings=report.warnings + of_cell)
@@ -143,14 +149,25 @@ def _progress(console: Console) -> Progress:
     return Progress(*columns, console=console)
 
 
-def _start_recording(bus: Bus, wanted: Wanted, console: Console) -> bool:
+def _note(console: Console, told: dict[str, Any]) -> None:
+    console.print(f"note: {told.get('qualified', NOT_QUALIFIED)}", highlight=False, markup=False, soft_wrap=True)
+
+
+def _start_recording(bus: Bus, wanted: Wanted, console: Console, qualification: Any) -> bool:
     """Ask the recorder; a cell without one runs on and says so."""
     if wanted.rrd is None:
         return False
     title = f"{wanted.experiment.name}: {wanted.experiment.title}"
     try:
         made = cells.ask(
-            bus, "recorder", "record", 10.0, path=str(wanted.rrd.resolve()), title=title, summary_markdown=f"# {title}"
+            bus,
+            "recorder",
+            "record",
+            10.0,
+            path=str(wanted.rrd.resolve()),
+            title=title,
+            summary_markdown=f"# {title}",
+            qualification=qualification,
         )
     except cells.CellError as error:
         console.print(f"[yellow]no recording[/]: {error}", highlight=False)

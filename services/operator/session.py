@@ -8,7 +8,7 @@ from typing import Any, NamedTuple
 from experiments.experiment import Experiment, to_plain
 from experiments.trace import Trace
 from rollout.rollout import duration_ticks
-from services.operator.cell import LOOP, CellError, TrippedError, ask, statuses
+from services.operator.cell import LOOP, CellError, TrippedError, UnqualifiedError, ask, statuses
 from services.operator.collect import Collector, GapError
 from services.operator.strikes import Strikes
 from services.plant.config import bias_ticks
@@ -19,7 +19,8 @@ from shared.codec import Received, Rejected
 from shared.envelope import seal
 from shared.faults import of_group
 from shared.messages import NO_COMMAND, NO_TRIAL, Mode
-from shared.units import NS_PER_S
+from shared.qualified import beyond, of_plain
+from shared.units import NS_PER_S, SUBSTEP_NS
 
 _RUN_BITS = 48
 _WATCH_S = 0.05
@@ -45,20 +46,32 @@ class Live(NamedTuple):
     struck: tuple[str, ...] = ()  # what was done to processes, and when
 
 
-def load(bus: Bus, experiment: Experiment, seed: int, clock: str) -> Loaded:
-    """All validate and return the hash, then all commit; returns the run's number and what the controller warns of."""
+def load(bus: Bus, experiment: Experiment, seed: int, clock: str, *, unqualified: bool = False) -> Loaded:
+    """All validate and return the hash, then all commit; returns the run's number and what the controller warns of.
+
+    Raises CellError; UnqualifiedError where this host is not signed for the rate and that is not `unqualified` on purpose.
+    """
     supervisor = ask(bus, "supervisor", "status")
     if supervisor["mode"] == Mode.TRIPPED.name:
         raise TrippedError(f"the rig has tripped: {supervisor['words']}; remove the cause, then `hydrohil reset`")
     run = secrets.randbits(_RUN_BITS)
     envelope = sealed(experiment, run, seed, clock)
-    answers = {service: ask(bus, service, "load", envelope=envelope) for service in LOOP}
+    answers = {service: ask(bus, service, "load", envelope=envelope, unqualified=unqualified) for service in LOOP}
+    if clock == "real" and not unqualified:
+        _refuse_beyond_signed(answers["supervisor"], experiment)
     digests = {service: answer["digest"] for service, answer in answers.items()}
     if len(set(digests.values())) != 1:
         raise CellError(f"the services disagree on the experiment's hash: {digests}")
     for service in LOOP:
         ask(bus, service, "commit", digest=digests[service])
     return Loaded(run, tuple(map(str, answers["controller"].get("warnings") or ())))
+
+
+def _refuse_beyond_signed(told: dict[str, Any], experiment: Experiment) -> None:
+    """Say at once what the supervisor would say when it is to arm; with its answer it tells what is on record of its host."""
+    period_ns = experiment.plant.sample_period_substeps * SUBSTEP_NS
+    if what := beyond(of_plain(told.get("qualification")).qualified, period_ns):
+        raise UnqualifiedError(what)
 
 
 def sealed(experiment: Experiment, run: int, seed: int, clock: str) -> str:
@@ -131,9 +144,11 @@ def run_live(
     clock: str,
     show: Callable[[float], None],
     tell: Callable[[Document], object] = lambda document: None,
+    *,
+    unqualified: bool = False,
 ) -> Live:
     """Load, arm, start, watch to the end; always disarms. `tell` gets the report of a trip, also where CellError is raised."""
-    run, warnings = load(bus, experiment, seed, clock)
+    run, warnings = load(bus, experiment, seed, clock, unqualified=unqualified)
     collector = Collector(bus)
     strikes = Strikes(bus, of_group(experiment.faults, "process"), experiment.duration_s)
 

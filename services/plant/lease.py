@@ -14,6 +14,11 @@ LEASE_PER_LATENESS = 3
 UNCHOSEN = 0
 
 
+def lease_wanted_ns(worst_ns: int) -> int:
+    """The lease for a host whose worst wake-up is this late; more than MAX_LEASE_NS is not given."""
+    return max(MIN_LEASE_NS, LEASE_PER_LATENESS * worst_ns)
+
+
 class LeaseChoice:
     """Measures wake-ups, chooses after two seconds, and raises its choice between trials."""
 
@@ -32,7 +37,7 @@ class LeaseChoice:
         self._worst_ns = max(self._worst_ns, late_ns)
         if armed or not self._measured():
             return UNCHOSEN
-        lease_ns = min(max(MIN_LEASE_NS, LEASE_PER_LATENESS * self._worst_ns), MAX_LEASE_NS)
+        lease_ns = min(lease_wanted_ns(self._worst_ns), MAX_LEASE_NS)
         if self.chosen and lease_ns <= self._lease_ns:
             return UNCHOSEN
         self.chosen, self._lease_ns = True, lease_ns

@@ -16,6 +16,7 @@ from services.recorder.trips import Trips
 from services.recorder.writer import Writer
 from shared.codec import Received, Rejected
 from shared.messages import About
+from shared.qualified import UNKNOWN, Standing, plain
 from shared.units import NS_PER_S
 
 FLUSH_NS = 225_000_000  # 50 samples at 222 Hz, 225 at 1 kHz: what a batch holds, and what a kill loses
@@ -87,19 +88,23 @@ class Recorder:
             self._write_missing()
             self._check()
 
-    def record(self, path: Path, title: str, summary: str = "") -> dict[str, Any]:
-        """Open a new recording; one that is open is closed first. Raises OSError if the file cannot be created."""
+    def record(self, path: Path, title: str, summary: str = "", qualified: Standing = UNKNOWN) -> dict[str, Any]:
+        """Open a new recording; one that is open is closed first. Raises OSError if the file cannot be created.
+
+        It carries how the cell's host is `qualified`: as a property, and in its document.
+        """
         if self._recording is not None:
             self.finish("")
         axis = machine(self._writer.about).force_axis
         recording = Recording(path, title, axis)
         recording.describe("rig", cell=self._cell)
+        recording.describe("qualification", **properties(qualified))
         self._writer.flush(everything=True)
         self._recording, self._axis, self._at_start = recording, axis, dict(self._links)
         self._writer.begin()
         self._told_trips = []
-        self._summary = summary or f"# {title}"
-        self._emit(Rows("summary", "document", None, self._summary))
+        self._summary, self._qualified = summary or f"# {title}", qualified
+        self._emit(Rows("summary", "document", None, f"{self._summary}\n\n{qualified.words}"))
         self._check()
         return {"path": str(recording.path), "failure": recording.failure}
 
@@ -112,7 +117,8 @@ class Recorder:
         self._writer.flush(everything=True)
         self._write_missing()
         report = self._report(recording)
-        self._emit(Rows("summary", "document", None, f"{summary or self._summary}\n\n{counts_table(report)}"))
+        parts = (summary or self._summary, self._qualified.words, counts_table(report))
+        self._emit(Rows("summary", "document", None, "\n\n".join(parts)))
         recording.close()
         self._check()
         self._recording, self._told = None, ""
@@ -203,6 +209,11 @@ class Recorder:
         if failure and failure != self._told:
             self._told = failure
             print(f"recorder: the recording has stopped, counting goes on: {failure}", file=sys.stderr, flush=True)
+
+
+def properties(qualified: Standing) -> dict[str, object]:
+    """How a host is qualified, as columns of a catalogue of trials; what was not measured is left out."""
+    return {"words": qualified.words} | {name: value for name, value in (plain(qualified) or {}).items() if value is not None}
 
 
 def counts_table(report: dict[str, Any]) -> str:

@@ -12,6 +12,7 @@ from typing import TYPE_CHECKING, Any
 from shared.bus import Bus, BusError
 from shared.inbox import Inbox
 from shared.process import EXIT_OK, EXIT_TRANSPORT, draw_number, parser
+from shared.qualified import of_plain, standing
 from shared.realtime import die_with_parent
 from shared.requests import Request
 from shared.topics import TOPICS
@@ -53,7 +54,7 @@ def record(
         live = stack.enter_context(Live(live_port)) if live_port is not None else None
         recorder = Recorder(cell, live, trips if trips is not None else folder / "trips")
         if rrd is not None:
-            recorder.record(folder / rrd, rrd.stem)
+            recorder.record(folder / rrd, rrd.stem, qualified=standing(realtime=True))  # by hand nobody tells how the cell runs
         bus = stack.enter_context(Bus("recorder", cell, port_base, draw_number()))
         inboxes = [bus.subscribe(topic.key, DEPTH) for topic in TOPICS]  # the plant's samples come first
         stack.callback(_finish, recorder, inboxes)
@@ -83,7 +84,10 @@ def _answer(recorder: "Recorder", inboxes: list[Inbox], folder: Path, request: R
             try:
                 request.reply(
                     recorder.record(
-                        folder / _text(arguments, "path"), _text(arguments, "title"), _text(arguments, "summary_markdown")
+                        folder / _text(arguments, "path"),
+                        _text(arguments, "title"),
+                        _text(arguments, "summary_markdown"),
+                        of_plain(arguments.get("qualification")),
                     )
                 )
             except (OSError, ValueError) as error:

@@ -48,8 +48,13 @@ def limits(config: SupervisorConfig, about: About) -> Limits:
         lease_samples,
         about.permit_ttl_ns,
         FAULTS_PER_S,
-        lease_samples + 1 + RANDOM_MISSES,  # one outage as long as the lease bears, and the misses of a lossy link
+        missed_limit(lease_samples),
     )
+
+
+def missed_limit(lease_samples: int) -> int:
+    """Samples of the last 100 that may be not in time: one outage as long as the lease bears, and the misses of a lossy link."""
+    return lease_samples + 1 + RANDOM_MISSES
 
 
 def observing(config: SupervisorConfig, about: About, bias_ticks: int) -> Observing:

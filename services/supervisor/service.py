@@ -22,6 +22,7 @@ from shared.live_faults import LiveFaults
 from shared.messages import NO_COMMAND, About, Mode, Passed, Permit, TripCause
 from shared.process import draw_number, options_of, parser, serve
 from shared.protection import worst
+from shared.qualified import UNKNOWN, Standing, beyond, plain, standing
 from shared.realtime import follow
 from shared.reception import due, reception, told
 from shared.requests import Request
@@ -54,9 +55,10 @@ _EXPECTED = {
 class Supervisor:
     """One verdict a sample, one permit a verdict."""
 
-    def __init__(self, bus: Bus) -> None:
-        """Disarmed."""
+    def __init__(self, bus: Bus, qualification: Callable[[], Standing] = lambda: UNKNOWN) -> None:
+        """Disarmed. `qualification` reads what is on record of this host."""
         self.bus, self.faults = bus, LiveFaults(bus)
+        self._qualification, self.qualification = qualification, qualification()
         self.samples, self.abouts = bus.subscribe("plant/sample"), bus.subscribe("plant/about")
         self.states = bus.subscribe("controller/state")
         self._inboxes = (self.samples, self.states, self.abouts)
@@ -67,7 +69,8 @@ class Supervisor:
         self.about: About | None = None
         self.envelope: Envelope | None = None
         self.config = SupervisorConfig()
-        self.pending: tuple[Envelope, SupervisorConfig] | None = None
+        self.pending: tuple[Envelope, SupervisorConfig, bool] | None = None
+        self.unqualified = False  # the operator wants this run above the signed rate
         self.asked: list[tuple[Event, Request]] = []
         self.sample: Received | None = None
         self.controller: Received | None = None
@@ -204,7 +207,14 @@ class Supervisor:
             and below_gate(self.config, self.about)
             and self.controller is not None
             and all(same_run(m.header, self.bus.run) for m in (message, self.controller))
+            and not self._beyond_signed()
         )
+
+    def _beyond_signed(self) -> str:
+        """Why the loaded rate is above what this host is signed for; "" where it is not, or time does not pass by the wall."""
+        if self.about is None or self._lockstep or self.unqualified:
+            return ""
+        return beyond(self.qualification.qualified, self.about.sample_period_ns)
 
     def _reply(self, event: Event, request: Request, message: Received) -> None:
         mode = Mode(self.memory.mode)
@@ -234,7 +244,7 @@ class Supervisor:
         for name, header in (("plant", message.header), ("controller", self.controller.header)):
             if not same_run(header, self.bus.run):
                 return f"the {name} has another experiment or run loaded: load again"
-        return "not every service agrees yet: try again"
+        return self._beyond_signed() or "not every service agrees yet: try again"
 
     def _warnings(self) -> list[str]:
         """What is borne, and should be known: the lease decides when it is not borne any more."""
@@ -282,20 +292,21 @@ class Supervisor:
             self.faults.loaded(envelope)
         except ValueError as error:
             return request.refuse(str(error))
-        self.pending = (envelope, config)
-        return request.reply({"digest": envelope.digest.hex()})
+        self._look_up()
+        self.pending = (envelope, config, request.arguments.get("unqualified") is True)
+        return request.reply({"digest": envelope.digest.hex(), "qualification": plain(self.qualification)})
 
     def _commit(self, request: Request) -> None:
         if self.memory.mode != DISARMED:
             return request.refuse(f"the mode is {Mode(self.memory.mode).name}: stop or reset first")
         if self.pending is None or self.pending[0].digest.hex() != request.arguments.get("digest"):
             return request.refuse("nothing with this hash was loaded: load it first")
-        envelope, config = self.pending
+        envelope, config, unqualified = self.pending
         try:
             conditions = self.faults.loaded(envelope)  # once more: faults may have been injected since the load
         except ValueError as error:
             return request.refuse(str(error))
-        self.envelope, self.config = envelope, config
+        self.envelope, self.config, self.unqualified = envelope, config, unqualified
         self._waiting, self._silent = [], NO_COMMAND
         self._prepare()
         self.bus.run = Run(envelope.run, envelope.digest, 0)
@@ -305,8 +316,14 @@ class Supervisor:
         gc.collect()
         return request.reply({"digest": envelope.digest.hex()})
 
+    def _look_up(self) -> None:
+        """What is on record of this host may have changed; while something may move nobody waits for a file."""
+        if self.memory.mode == DISARMED:
+            self.qualification = self._qualification()
+
     def status(self) -> dict[str, Any]:
         """What an operator wants to know."""
+        self._look_up()
         return {
             "pid": os.getpid(),
             "injected": self.faults.acting(),
@@ -322,6 +339,8 @@ class Supervisor:
             "run": self.bus.run.run,
             "in_time": quality(self.memory.watch.answers.missed),
             "warnings": self._warnings(),
+            "qualification": plain(self.qualification),
+            "qualified": self.qualification.words,
             "reception": told(self._inboxes),
         }
 
@@ -329,4 +348,8 @@ class Supervisor:
 def main(arguments: list[str] | None = None) -> int:
     """Run until a signal; returns the exit status."""
     options = options_of(parser("supervisor", __doc__).parse_args(arguments))
-    return serve("supervisor", options, lambda bus, stopped: Supervisor(bus).run(stopped))
+
+    def run(bus: Bus, stopped: Callable[[], bool]) -> None:
+        Supervisor(bus, lambda: standing(realtime=options.realtime)).run(stopped)
+
+    return serve("supervisor", options, run)
