@@ -23,7 +23,7 @@ GRADES = {
     "A": "every sample on time, and the lease of industrial arms suffices: real runs equal lockstep",
     "B": "signed",
     "C": "not signed; trials run, with more late samples than a claim should bear",
-    "D": "not signed; trials trip, or have gaps",
+    "D": "not signed; trials trip, have gaps, or come close to it",
 }
 
 

@@ -5,6 +5,7 @@ import platform
 from pathlib import Path
 from typing import NamedTuple
 
+IDLE = 0.25  # load per processor of a host that does little else
 PROCESSES = 4  # plant, controller, supervisor, and everything else
 
 
@@ -17,9 +18,14 @@ class Found(NamedTuple):
     advice: str  # what is recommended, and what it is worth
 
 
-def found(granted: dict[str, bool], root: Path = Path("/")) -> tuple[Found, ...]:
-    """Every property, by what a probe was granted and by the files below `root`."""
-    return (*_granted(granted), *_processors(root), _kernel(root, platform.version()), _machine(root), _busy())
+def found(granted: dict[str, bool], load: float, root: Path = Path("/")) -> tuple[Found, ...]:
+    """Every property, by what a probe was granted, the load before it ran, and the files below `root`."""
+    return (*_granted(granted), *_processors(root), _kernel(root, platform.version()), _machine(root), _busy(load))
+
+
+def load_now() -> float:
+    """Processes that wanted to run in the last minute."""
+    return os.getloadavg()[0]
 
 
 def _granted(granted: dict[str, bool]) -> tuple[Found, ...]:
@@ -77,9 +83,9 @@ def _machine(root: Path) -> Found:
     return Found("machine", "virtual" if guest else "bare metal", not guest, "bare metal: a hypervisor stalls its guests unseen")
 
 
-def _busy() -> Found:
-    load, cores = os.getloadavg()[0], len(os.sched_getaffinity(0))
-    return Found("load before", f"{load:.1f} on {cores} processors", load < 0.5 * cores, "idle, or with the load it will have")
+def _busy(load: float) -> Found:
+    cores = len(os.sched_getaffinity(0))
+    return Found("load before", f"{load:.1f} on {cores} processors", load <= IDLE * cores, "idle, or with the load it will have")
 
 
 def _read(path: Path) -> str:

@@ -1,6 +1,8 @@
 """A host as found: from what was granted and what its files tell."""
 
-from qualification.host import found
+import os
+
+from qualification.host import IDLE, found
 
 
 def files(root, **texts):
@@ -11,7 +13,7 @@ def files(root, **texts):
 
 
 def properties(root, **granted):
-    return {row.what: row for row in found(granted, root)}
+    return {row.what: row for row in found(granted, 0.1, root)}
 
 
 def test_a_host_that_is_set_up_well_is_told_so(tmp_path):
@@ -56,3 +58,8 @@ def test_a_host_that_is_not_is_told_what_would_help(tmp_path):
 def test_what_a_host_does_not_tell_is_neither_good_nor_bad(tmp_path):
     told = properties(tmp_path)
     assert [told[name].good for name in ("frequency governor", "SMT")] == [None, None]
+
+
+def test_a_load_on_the_limit_is_idle_and_more_is_not(tmp_path):
+    limit = IDLE * len(os.sched_getaffinity(0))
+    assert [found({}, load, tmp_path)[-1].good for load in (limit, limit + 0.01)] == [True, False]

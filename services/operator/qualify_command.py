@@ -50,7 +50,7 @@ def qualify(
 
     Examples: `hydrohil qualify`, `hydrohil qualify --rate-hz 500 --seconds 60`, `hydrohil qualify --quick --json runs/host.json`
     """
-    from qualification.host import found
+    from qualification.host import found, load_now
     from qualification.measure import Wish
     from services.operator.cell import CellError, Place
 
@@ -58,12 +58,13 @@ def qualify(
     make_folders(json_file)
     tried: list[Tried] = []
     facts: Sequence[Found] = ()
+    load = load_now()
     try:
         for period in periods:
             loop_s = seconds or (QUICK_SAMPLES * period * SUBSTEP_NS / NS_PER_S if quick else LOOP_S)
             wish = Wish(Place(cell, port), loop_s, QUICK_BASELINE_S if quick else BASELINE_S, realtime)
             measured = _with_bar(wish, period)
-            facts = facts or found(measured.granted)
+            facts = facts or found(measured.granted, load)
             tried.append(_judged(measured.figures))
             if tried[-1].verdict.signed:
                 break
