@@ -22,6 +22,7 @@ LEASE_MS = "200"  # the longest: a busy machine must not decide what these tests
 LEASE = {"plant": ["--permit-ttl-ms", LEASE_MS]}
 ZERO = [2048, 2048, 2048]
 PATIENCE_S = 60.0
+PARTS = ("services.", "qualification.")
 FOLLOWS = Claim("It follows", "peak_to_peak", "q2", "above", 0.0, 1.5, "deg", low=5.0)
 
 
@@ -55,17 +56,8 @@ def own_place() -> cells.Place:
 def line(place: cells.Place, *arguments: str) -> list[str]:
     """The command line in that cell; what the machine is signed for must not decide what these tests say."""
     unqualified = ["--unqualified"] * (arguments[0] == "run")
-    return [
-        sys.executable,
-        "-m",
-        "services.operator.cli",
-        *arguments,
-        *unqualified,
-        "--cell",
-        place.cell,
-        "--port",
-        str(place.port),
-    ]
+    where = ["--cell", place.cell, "--port", str(place.port)]
+    return [sys.executable, "-m", "services.operator.cli", *arguments, *where, *unqualified]
 
 
 def hydrohil(place: cells.Place, *arguments: str) -> subprocess.CompletedProcess[str]:
@@ -90,7 +82,7 @@ def until(condition: Callable[[], Any], what: str) -> Any:
 
 
 def processes(place: cells.Place) -> list[int]:
-    """Services of that cell which live."""
+    """Services and probes of that cell which live."""
     found = []
     for entry in Path("/proc").iterdir():
         if not entry.name.isdecimal():
@@ -99,7 +91,7 @@ def processes(place: cells.Place) -> list[int]:
             words = (entry / "cmdline").read_bytes().decode(errors="replace").split("\0")
         except OSError:
             continue
-        if place.cell in words and any(word.startswith("services.") and word != "services.operator.cli" for word in words):
+        if place.cell in words and any(word.startswith(PARTS) and word != "services.operator.cli" for word in words):
             found.append(int(entry.name))
     return found
 

@@ -2,17 +2,21 @@
 
 import json
 import math
-import os
 import signal
 import subprocess
 from pathlib import Path
 
 import pytest
-from live_cell import begun, end, own_place, processes, until
+from live_cell import LEASE_MS, begun, end, hydrohil, line, own_place, processes, swing, until
+from qualification_scene import GOOD
 
+from qualification.grading import judge
+from qualification.record import Tried, keep
 from shared import cache
+from shared.qualified import record_file, this_host
 
 pytestmark = pytest.mark.live
+SLOW = GOOD._replace(period_ns=10_000_000)
 
 
 @pytest.fixture
@@ -24,12 +28,6 @@ def own_cache(monkeypatch: pytest.MonkeyPatch, tmp_path: Path) -> Path:
     (mine / "kernels").symlink_to(kernels)
     monkeypatch.setenv("HYDROHIL_CACHE", str(mine))
     return mine
-
-
-def left(cell: str) -> list[str]:
-    """Command lines of probes and services of that cell which live."""
-    found = subprocess.run(["ps", "-eo", "args"], capture_output=True, text=True, check=True).stdout.splitlines()
-    return [line for line in found if cell in line and "python" in line]
 
 
 def test_everything_is_measured_and_a_trial_of_a_second_signs_nothing(own_cache: Path, tmp_path: Path):
@@ -47,7 +45,7 @@ def test_everything_is_measured_and_a_trial_of_a_second_signs_nothing(own_cache:
         assert trial["samples"] >= 100 and trial["accepted_us"]["p50"] > 0.0
         assert any("too few" in reason for reason in trial["reasons"])
         assert not (own_cache / "qualifications").exists()
-    assert not processes(place) and not left(place.cell)
+    assert not processes(place)
 
 
 @pytest.mark.parametrize("number", [signal.SIGINT, signal.SIGKILL])
@@ -55,10 +53,24 @@ def test_an_interrupted_qualification_leaves_no_process(own_cache: Path, number:
     place = own_place()
     run = begun(place, "qualify", "--quick", "--rate-hz", "100")
     try:
-        until(lambda: any("echo" in line for line in left(place.cell)), "the ping-pong runs")
+        until(lambda: len(processes(place)) == 2, "both ends of the ping-pong")
     finally:
         status, words = end(run, number)
     assert status == (130 if number == signal.SIGINT else -number), words
-    until(lambda: not left(place.cell), "nothing is left")
+    until(lambda: not processes(place), "nothing is left")
     assert not (own_cache / "qualifications").exists()
-    assert os.path.isdir(own_cache)
+
+
+def test_a_run_above_the_signed_rate_is_refused_in_one_line_and_one_on_purpose_is_not(own_cache: Path, tmp_path: Path):
+    host, late = this_host(), GOOD._replace(unanswered=400.0)
+    keep(record_file(host, realtime=True), host, [Tried(late, judge(late), "yesterday"), Tried(SLOW, judge(SLOW), "yesterday")])
+    place, file = own_place(), tmp_path / "r.json"
+    arguments = ("run", swing(tmp_path), "--permit-ttl-ms", LEASE_MS, "--json", str(file))
+    refused = subprocess.run(line(place, *arguments)[:-1], capture_output=True, text=True, check=False, timeout=120)
+    assert refused.returncode == 2, refused.stdout + refused.stderr
+    (said,) = refused.stderr.strip().splitlines()
+    assert "222.2 Hz" in said and "100 Hz" in said and "hydrohil qualify" in said
+    assert not file.exists() and not processes(place)
+    allowed = hydrohil(place, *arguments)
+    assert allowed.returncode != 2, allowed.stdout + allowed.stderr
+    assert json.loads(file.read_text())["qualification"]["signed_period_ns"] == SLOW.period_ns
