@@ -132,7 +132,8 @@ def judge(figures: Figures) -> Verdict:
     reasons = tuple(condition.words(figures) for condition in broken)
     if broken:
         return Verdict("D" if any(condition.borne for condition in broken) else "C", False, reasons)
-    perfect = late_share(figures) == 0 and figures.lost == 0 and lease_ns(figures) <= MIN_LEASE_NS
+    nothing_late = late_share(figures) == 0 and figures.late_permits == 0 and figures.lost == 0
+    perfect = nothing_late and lease_ns(figures) <= MIN_LEASE_NS
     return Verdict("A" if perfect else "B", True, ())
 
 

@@ -19,7 +19,7 @@ from shared.process import draw_number
 PING, PONG = "controller/command", "plant/sample"  # the way of a sample and of the command that answers it
 WARM_UP = 50
 _PATIENCE_S = 0.2  # for one answer
-_JOIN_S = 5.0  # for the echo to be there
+_JOIN_S = 20.0  # for the echo to be there
 _NS_PER_US = 1000
 
 
@@ -31,7 +31,10 @@ def frame_bytes() -> int:
 
 
 def ping(place: Place, period_ns: int, count: int, echo: list[str]) -> tuple[list[float], int]:
-    """Round trips in us to the process that the command line `echo` starts, once a period; and how many came not back."""
+    """Round trips in us to the process that the command line `echo` starts, once a period; and how many came not back.
+
+    Raises BusError, or TimeoutError where that process does not answer at all.
+    """
     echoing = subprocess.Popen(echo)
     payload, taken, lost = bytes(frame_bytes()), [], 0
     arrived: deque[int] = deque()
@@ -39,7 +42,7 @@ def ping(place: Place, period_ns: int, count: int, echo: list[str]) -> tuple[lis
         with Bus("controller", place.cell, place.port, draw_number()) as bus:
             bus.listen(PONG, lambda _: arrived.append(time.monotonic_ns()))
             send = bus.sender(PING)
-            _await_echo(bus, arrived, payload)
+            _await_echo(bus, arrived, payload, echoing)
             due = time.monotonic_ns()
             for number in range(count + WARM_UP):
                 due = max(due + period_ns, time.monotonic_ns())
@@ -60,10 +63,12 @@ def ping(place: Place, period_ns: int, count: int, echo: list[str]) -> tuple[lis
     return taken, lost
 
 
-def _await_echo(bus: Bus, arrived: deque[int], payload: bytes) -> None:
-    """Until the first answer has come, or it is plain that none will."""
+def _await_echo(bus: Bus, arrived: deque[int], payload: bytes, echoing: subprocess.Popen[bytes]) -> None:
+    """Until the first answer has come; TimeoutError where none comes."""
     send, deadline = bus.sender(PING), time.monotonic() + _JOIN_S
-    while not arrived and time.monotonic() < deadline:
+    while not arrived:
+        if echoing.poll() is not None or time.monotonic() > deadline:
+            raise TimeoutError(f"the other end of the ping-pong does not answer within {_JOIN_S:g} s")
         send(payload)
         _await(bus, arrived, _PATIENCE_S)
 

@@ -71,16 +71,16 @@ def _read(path: Path) -> str:
         return ""
 
 
-def record_file(host: Host, *, realtime: bool) -> Path:
+def record_file(host: Host, *, fifo: bool) -> Path:
     """Where the record of a host and scheduling class is."""
-    key = hashlib.sha256(json.dumps([*host, realtime]).encode()).hexdigest()[:16]
+    key = hashlib.sha256(json.dumps([*host, fifo]).encode()).hexdigest()[:16]
     return cache.folder() / "qualifications" / f"{key}.json"
 
 
-def standing(*, realtime: bool) -> Standing:
-    """What is on record of this host, by whether real-time scheduling is asked for."""
+def standing(*, fifo: bool) -> Standing:
+    """What is on record of this host, by whether it grants real-time scheduling."""
     host = this_host()
-    path = record_file(host, realtime=realtime)
+    path = record_file(host, fifo=fifo)
     try:
         return of_plain(_summary(path, host))
     except FileNotFoundError:
@@ -135,8 +135,10 @@ def beyond(found: Qualified | None, period_ns: int) -> str:
     """Why a rate may not be armed on this host: it is above the one signed. "" where it may, or nothing is on record."""
     if found is None or 0 < found.signed_period_ns <= period_ns:
         return ""
-    signed = f"signed for at most {hertz(found.signed_period_ns)}" if found.signed_period_ns else "signed for no rate"
+    signed, lower = "signed for no rate", ""
+    if found.signed_period_ns:
+        signed, lower = f"signed for at most {hertz(found.signed_period_ns)}", ", a lower rate,"
     return (
         f"plant.sample_period_substeps asks for {hertz(period_ns)}, and this host is {signed} ({found.made}): "
-        "`hydrohil qualify` again, a lower rate, or `--unqualified`"
+        f"`hydrohil qualify` again{lower} or `--unqualified`"
     )

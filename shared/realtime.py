@@ -44,6 +44,11 @@ def _fifo() -> bool:
     return True
 
 
+def is_fifo() -> bool:
+    """Whether this process was granted real-time scheduling."""
+    return bool(_granted_fifo)
+
+
 def follow(clock: str) -> None:
     """Real-time scheduling where the wall clock paces; in lockstep it would starve whoever records or watches."""
     if not _granted_fifo:

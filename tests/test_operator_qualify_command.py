@@ -12,7 +12,7 @@ from services.operator.cell import CellError
 from services.operator.cli import app
 from shared.qualified import standing
 
-GRANTED = {"fifo": False, "memory_locked": False, "idle_latency": False}
+GRANTED = {"fifo": True, "memory_locked": False, "idle_latency": False}
 ALL_NS = [1_000_000, 2_000_000, 4_500_000, 10_000_000]
 
 
@@ -50,9 +50,9 @@ def test_rates_are_tried_from_the_highest_down_until_one_is_signed(qualify, keep
     made = qualify(host)
     assert [period_ns for period_ns, _ in host.asked] == tried
     assert made.exit_code == status, made.output
-    found = standing(realtime=True).qualified
+    found = standing(fifo=True).qualified
     assert found.signed_period_ns == (tried[-1] if status == 0 else 0)
-    assert standing(realtime=False).qualified is None
+    assert standing(fifo=False).qualified is None
     assert "on record until the next boot" in made.stdout
 
 
@@ -64,7 +64,16 @@ def test_one_rate_is_tried_alone(qualify, rate, period_ns):
     assert qualify(host, "--rate-hz", rate).exit_code == 0
     assert [asked for asked, _ in host.asked] == [period_ns]
     assert qualify(Host(20_000_000), "--rate-hz", rate).exit_code == 1
-    assert standing(realtime=True).qualified.signed_period_ns == 0
+    assert standing(fifo=True).qualified.signed_period_ns == 0
+
+
+@pytest.mark.parametrize("fifo", [False, True])
+def test_it_is_recorded_under_what_the_host_has_granted_and_not_under_what_was_asked_for(qualify, fifo):
+    def measure(wish, period, show):
+        return Measured(GOOD, GRANTED | {"fifo": fifo})
+
+    assert qualify(measure, "--rate-hz", "222.2", "--realtime").exit_code == 0
+    assert [standing(fifo=granted).qualified is not None for granted in (fifo, not fifo)] == [True, False]
 
 
 @pytest.mark.parametrize("rate", ["0", "-5", "nan", "inf", "97.5", "1026"])
@@ -112,7 +121,7 @@ def test_a_trial_too_short_for_a_signature_ends_with_1_and_is_not_recorded(quali
     made = qualify(short, "--rate-hz", "222.2")
     assert made.exit_code == 1
     assert "too short to be put on record" in made.stdout and "1000 are needed" in made.stdout
-    assert standing(realtime=True).qualified is None
+    assert standing(fifo=True).qualified is None
 
 
 @pytest.mark.parametrize(
@@ -126,7 +135,7 @@ def test_what_does_not_come_to_its_end_is_one_line_and_not_recorded(qualify, err
     made = qualify(broken)
     assert made.exit_code == status
     assert words in made.stderr and len(made.stderr.strip().splitlines()) == 1
-    assert standing(realtime=True).qualified is None
+    assert standing(fifo=True).qualified is None
 
 
 def test_a_cache_that_cannot_be_written_ends_with_2_after_the_verdict(qualify, monkeypatch, tmp_path):

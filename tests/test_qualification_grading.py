@@ -57,7 +57,16 @@ def test_an_infinite_percentile_is_not_signed(field: str):
 
 
 @pytest.mark.parametrize(
-    "changes", [{"unanswered": 1.0}, {"shifts": 1.0}, {"lost": 1.0}, {"wake_ups_us": worst(6_667.0)}, {"grid_us": worst(6_667.0)}]
+    "changes",
+    [
+        {"unanswered": 1.0},
+        {"shifts": 1.0},
+        {"lost": 1.0},
+        {"late_permits": 1.0},
+        {"late_permits": math.nan},
+        {"wake_ups_us": worst(6_667.0)},
+        {"grid_us": worst(6_667.0)},
+    ],
 )
 def test_one_late_sample_or_a_lease_above_20_ms_is_grade_b(changes: dict):
     assert judge(GOOD._replace(**changes)) == SIGNED

@@ -27,42 +27,42 @@ def tried(made="2026-11-28 02:00:00+00:00", **changes):
 
 
 def kept(*trials, host=HERE):
-    return keep(record_file(HERE, realtime=True), host, trials)
+    return keep(record_file(HERE, fifo=True), host, trials)
 
 
 def test_what_is_kept_is_what_who_arms_reads():
     found = kept(tried(period_ns=2_000_000, ended="tripped"), tried(unanswered=2.0))
-    assert found == standing(realtime=True).qualified
+    assert found == standing(fifo=True).qualified
     assert found == Qualified(PERIOD_NS, "B", "2026-11-28 02:00:00+00:00", PERIOD_NS, 4000, 0.0005, 300.0, 400.0, 20.0)
 
 
 def test_where_no_rate_is_signed_the_lowest_tried_is_quoted():
     found = kept(tried(period_ns=2_000_000, ended="tripped"), tried(ended="gap", accepted_us=Spread()))
     assert (found.signed_period_ns, found.grade, found.period_ns, found.accepted_p999_us) == (0, "D", PERIOD_NS, None)
-    assert standing(realtime=True).qualified == found
+    assert standing(fifo=True).qualified == found
 
 
 def test_a_rate_tried_again_replaces_its_trial_and_leaves_the_others():
     kept(tried(period_ns=2_000_000, ended="tripped"), tried())
     assert kept(tried(period_ns=2_000_000, made="later")).signed_period_ns == 2_000_000
     assert kept(tried(made="later still", ended="tripped")).signed_period_ns == 0
-    trials = json.loads(record_file(HERE, realtime=True).read_text())["trials"]
+    trials = json.loads(record_file(HERE, fifo=True).read_text())["trials"]
     assert {trial["period_ns"]: trial["made"] for trial in trials} == {2_000_000: "later", PERIOD_NS: "later still"}
 
 
 def test_a_trial_too_short_to_say_anything_is_not_kept_and_removes_nothing():
     assert kept(tried(samples=999)) is None
-    assert not record_file(HERE, realtime=True).exists()
+    assert not record_file(HERE, fifo=True).exists()
     before = kept(tried())
     assert kept(tried(samples=999)) == before
 
 
 @pytest.mark.parametrize("text", ["", "{}", "[]", '{"trials": 3}', '{"trials": [{"period_ns": 1}]}'])
 def test_a_damaged_record_is_written_anew(text):
-    path = record_file(HERE, realtime=True)
+    path = record_file(HERE, fifo=True)
     path.parent.mkdir(parents=True)
     path.write_text(text)
-    assert kept(tried()) == standing(realtime=True).qualified
+    assert kept(tried()) == standing(fifo=True).qualified
     assert len(json.loads(path.read_text())["trials"]) == 1
 
 
@@ -73,7 +73,7 @@ def test_trials_of_another_boot_are_not_carried_over():
 
 def test_nothing_but_the_record_is_left_in_the_folder(tmp_path):
     kept(tried())
-    assert list((tmp_path / "qualifications").iterdir()) == [record_file(HERE, realtime=True)]
+    assert list((tmp_path / "qualifications").iterdir()) == [record_file(HERE, fifo=True)]
 
 
 def test_numbers_that_are_none_are_null():

@@ -30,20 +30,20 @@ def here(tmp_path, monkeypatch):
     monkeypatch.setattr(qualified, "this_host", lambda: HERE)
 
 
-def record(text=None, host=HERE, summary=FOUND, realtime=True):
-    path = record_file(HERE, realtime=realtime)
+def record(text=None, host=HERE, summary=FOUND, fifo=True):
+    path = record_file(HERE, fifo=fifo)
     path.parent.mkdir(parents=True, exist_ok=True)
     path.write_text(json.dumps({"host": host._asdict(), "summary": summary._asdict()}) if text is None else text)
     return path
 
 
 def test_without_a_record_a_host_is_not_qualified():
-    assert standing(realtime=True) == UNKNOWN == Standing(None, NOT_QUALIFIED)
+    assert standing(fifo=True) == UNKNOWN == Standing(None, NOT_QUALIFIED)
 
 
 def test_a_record_is_read_back():
     record()
-    assert standing(realtime=True) == Standing(FOUND, words(FOUND))
+    assert standing(fifo=True) == Standing(FOUND, words(FOUND))
 
 
 @pytest.mark.parametrize("field", Host._fields)
@@ -51,12 +51,12 @@ def test_a_record_counts_for_its_own_host_boot_kernel_processor_and_cores_alone(
     record()
     other = HERE._replace(**{field: 8 if field == "cores" else "other"})
     monkeypatch.setattr(qualified, "this_host", lambda: other)
-    assert standing(realtime=True) == UNKNOWN
+    assert standing(fifo=True) == UNKNOWN
 
 
 def test_a_record_with_real_time_scheduling_does_not_count_without():
     record()
-    assert standing(realtime=False) == UNKNOWN
+    assert standing(fifo=False) == UNKNOWN
 
 
 @pytest.mark.parametrize(
@@ -78,16 +78,16 @@ def test_a_record_with_real_time_scheduling_does_not_count_without():
 )
 def test_a_damaged_record_qualifies_nobody_and_is_named(text):
     path = record(text)
-    known = standing(realtime=True)
+    known = standing(fifo=True)
     assert known.qualified is None
     assert str(path) in known.words and "hydrohil qualify" in known.words
     assert "\n" not in known.words
 
 
 def test_a_record_that_is_a_folder_is_damaged():
-    path = record_file(HERE, realtime=True)
+    path = record_file(HERE, fifo=True)
     path.mkdir(parents=True)
-    assert str(path) in standing(realtime=True).words
+    assert str(path) in standing(fifo=True).words
 
 
 def test_what_a_status_tells_is_read_back():

@@ -37,7 +37,9 @@ def qualify(
     ] = None,
     quick: Annotated[bool, typer.Option("--quick", help="As short as a signature allows: 1000 samples at each rate.")] = False,
     json_file: Annotated[Path | None, typer.Option("--json", help="Write every number.")] = None,
-    realtime: Annotated[bool, typer.Option(help="Ask for real-time scheduling; each has a record of its own.")] = True,
+    realtime: Annotated[
+        bool, typer.Option(help="Ask for real-time scheduling; with and without it there is a record each.")
+    ] = True,
     cell: CellName = "qualify",
     port: Port = FIRST_PORT,
 ) -> None:
@@ -57,14 +59,14 @@ def qualify(
     periods = _periods(rate_hz)
     make_folders(json_file)
     tried: list[Tried] = []
-    facts: Sequence[Found] = ()
+    granted: dict[str, bool] = {}
     load = load_now()
     try:
         for period in periods:
             loop_s = seconds or (QUICK_SAMPLES * period * SUBSTEP_NS / NS_PER_S if quick else LOOP_S)
             wish = Wish(Place(cell, port), loop_s, QUICK_BASELINE_S if quick else BASELINE_S, realtime)
             measured = _with_bar(wish, period)
-            facts = facts or found(measured.granted, load)
+            granted = measured.granted
             tried.append(_judged(measured.figures))
             if tried[-1].verdict.signed:
                 break
@@ -72,7 +74,7 @@ def qualify(
         raise fail(error, EXIT_TRANSPORT) from None
     except KeyboardInterrupt:
         raise fail("interrupted: nothing is recorded", 130) from None
-    _finish(facts, tried, json_file, realtime=realtime)
+    _finish(found(granted, load), tried, json_file, fifo=granted["fifo"])
 
 
 def _periods(rate_hz: float | None) -> list[int]:
@@ -106,7 +108,7 @@ def _judged(figures: "Figures") -> "Tried":
     return Tried(figures, judge(figures), datetime.now().astimezone().isoformat(" ", "seconds"))
 
 
-def _finish(facts: "Sequence[Found]", tried: "list[Tried]", json_file: Path | None, *, realtime: bool) -> None:
+def _finish(facts: "Sequence[Found]", tried: "list[Tried]", json_file: Path | None, *, fifo: bool) -> None:
     """Show it, put it on record, say what is on record, write the file, end with the status."""
     from qualification.grading import is_evidence
     from qualification.record import keep
@@ -114,13 +116,13 @@ def _finish(facts: "Sequence[Found]", tried: "list[Tried]", json_file: Path | No
 
     show(console, facts, tried)
     host = this_host()
-    with writing(path := record_file(host, realtime=realtime)):
+    with writing(path := record_file(host, fifo=fifo)):
         found = keep(path, host, tried)
     if not any(is_evidence(one.figures) for one in tried):
         console.print("too short to be put on record", highlight=False)
     elif found is not None:
         console.print(f"on record until the next boot: {words(found)}; {path}", highlight=False, markup=False, soft_wrap=True)
-    told = as_plain(host, facts, tried, realtime=realtime)
+    told = as_plain(host, facts, tried, fifo=fifo)
     if json_file is not None:
         with writing(json_file):
             write_whole(json_file, json.dumps(told, indent=2) + "\n")

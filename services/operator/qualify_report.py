@@ -72,12 +72,12 @@ def _show_verdict(console: Console, one: Tried) -> None:
         console.print(f"  {reason}", highlight=False, markup=False, soft_wrap=True)
 
 
-def as_plain(host: Host, facts: Sequence[Found], tried: Sequence[Tried], *, realtime: bool) -> dict[str, Any]:
+def as_plain(host: Host, facts: Sequence[Found], tried: Sequence[Tried], *, fifo: bool) -> dict[str, Any]:
     """Everything for a machine; null is what was not measured."""
     signed = [one for one in tried if one.verdict.signed]
     return {
         "host": host._asdict(),
-        "realtime": realtime,
+        "fifo": fifo,
         "source_version": source_version(),
         "found": [fact._asdict() for fact in facts],
         "trials": [plain(one) for one in tried],

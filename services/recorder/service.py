@@ -54,7 +54,7 @@ def record(
         live = stack.enter_context(Live(live_port)) if live_port is not None else None
         recorder = Recorder(cell, live, trips if trips is not None else folder / "trips")
         if rrd is not None:
-            recorder.record(folder / rrd, rrd.stem, qualified=standing(realtime=True))  # by hand nobody tells how the cell runs
+            recorder.record(folder / rrd, rrd.stem, qualified=standing(fifo=True))  # by hand nobody tells how the cell runs
         bus = stack.enter_context(Bus("recorder", cell, port_base, draw_number()))
         inboxes = [bus.subscribe(topic.key, DEPTH) for topic in TOPICS]  # the plant's samples come first
         stack.callback(_finish, recorder, inboxes)

@@ -23,7 +23,7 @@ from shared.messages import NO_COMMAND, About, Mode, Passed, Permit, TripCause
 from shared.process import draw_number, options_of, parser, serve
 from shared.protection import worst
 from shared.qualified import UNKNOWN, Standing, beyond, plain, standing
-from shared.realtime import follow
+from shared.realtime import follow, is_fifo
 from shared.reception import due, reception, told
 from shared.requests import Request
 from shared.timeliness import LATE_IN_A_ROW
@@ -350,6 +350,6 @@ def main(arguments: list[str] | None = None) -> int:
     options = options_of(parser("supervisor", __doc__).parse_args(arguments))
 
     def run(bus: Bus, stopped: Callable[[], bool]) -> None:
-        Supervisor(bus, lambda: standing(realtime=options.realtime)).run(stopped)
+        Supervisor(bus, lambda: standing(fifo=is_fifo())).run(stopped)
 
     return serve("supervisor", options, run)
