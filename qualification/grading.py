@@ -12,7 +12,6 @@ from qualification.spread import Spread
 from services.plant.lease import MAX_LEASE_NS, MIN_LEASE_NS, lease_wanted_ns
 from services.supervisor.answers import WINDOW, quality
 from services.supervisor.params import missed_limit
-from shared.units import NS_PER_S
 
 # A tenth of what the supervisor's rule on quality is laid out to bear (a link that loses 1 % each way); one late sample in a
 # thousand holds the valves for one period more, which no claim of an experiment notices.
@@ -155,8 +154,3 @@ def signed_period_ns(verdicts: dict[int, Verdict]) -> int:
 def deciding_period_ns(verdicts: dict[int, Verdict]) -> int:
     """The trial that a record quotes: that of the signed rate, or of the lowest rate tried."""
     return signed_period_ns(verdicts) or max(verdicts)
-
-
-def hertz(period_ns: int) -> float:
-    """Rate of a period."""
-    return NS_PER_S / period_ns

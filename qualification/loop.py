@@ -10,11 +10,11 @@ from experiments.overrides import with_overrides
 from qualification.grading import Figures
 from qualification.samples import Timing, timing, worst_window
 from qualification.spread import Spread, spread
+from rollout.rollout import duration_ticks
 from services.operator import cell as cells
 from services.operator.session import run_live
 from services.plant.lease import MAX_LEASE_NS
 from shared.codec import Received
-from shared.units import SUBSTEP_NS
 
 EXPERIMENT = "fig-4-25"  # a sine in free space, all the way through the law
 _DEPTH = 1 << 20  # frames; 17 minutes at 1 kHz
@@ -57,8 +57,7 @@ def loop(
             heard = [message.body for message in samples.drain() if isinstance(message, Received)]
     finally:
         cells.stop(process.pid for process in started.values())
-    ticks = round(seconds * 1e9 / (period_substeps * SUBSTEP_NS))
-    return loop_figures(figures, ended, timing(heard, ticks), status)
+    return loop_figures(figures, ended, timing(heard, duration_ticks(made.duration_s, made.plant)), status)
 
 
 def loop_figures(figures: Figures, ended: str, seen: Timing, status: Mapping[str, Mapping[str, Any]]) -> Figures:
@@ -78,5 +77,5 @@ def loop_figures(figures: Figures, ended: str, seen: Timing, status: Mapping[str
         lost=float(lost + seen.missing) if answered else math.nan,
         worst_window=worst_window(seen.in_time),
         accepted_us=spread(seen.accepted_us),
-        grid_us=Spread(p50=late.get("p50", math.nan), p99=late.get("p99", math.nan), max=late.get("max", math.nan)),
+        grid_us=Spread(late.get("p50", math.nan), late.get("p99", math.nan), max=counters.get("worst_lateness_us", math.nan)),
     )

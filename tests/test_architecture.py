@@ -82,7 +82,7 @@ BELOW = {  # what each folder may import of ours, beside itself; a service: `sha
     "tuning": {"shared", "services", "experiments", "rollout"},
     "battery": {"shared", "services", "experiments", "rollout", "reproduction"},
     "campaigns": {"shared", "services", "experiments", "rollout"},
-    "qualification": {"shared", "services", "experiments"},
+    "qualification": {"shared", "services", "experiments", "rollout"},
 }
 CELLS = ("services.operator.cell", "services.operator.session")  # what who brings up cells takes of the operator, no commands
 

@@ -16,9 +16,16 @@ class Counters:
     def reset(self) -> None:
         """A trial begins."""
         self.samples = self.late_commands = self.unanswered = self.late_permits = self.shifts = 0
+        self.worst_lateness_ns = 0  # of all wake-ups: the latest alone would forget it
         self.first_unanswered_tick: int | None = None
         self.lateness_ns: deque[int] = deque(maxlen=_KEPT)
         self.command_age_ns: deque[int] = deque(maxlen=_KEPT)
+
+    def woke(self, late_ns: int, *, shifts: bool) -> None:
+        """One wake-up, and whether it was so late that it shifts the grid."""
+        self.lateness_ns.append(late_ns)
+        self.shifts += shifts
+        self.worst_lateness_ns = max(self.worst_lateness_ns, late_ns)
 
     def latch(self, tick: int, *, answered: bool, judged: bool) -> None:
         """One sample of the trial, and whether command and permit had come by its latch."""
@@ -38,6 +45,7 @@ class Counters:
             "late_permits": self.late_permits,
             "grid_shifts": self.shifts,
             "lateness_us": percentiles(self.lateness_ns),
+            "worst_lateness_us": self.worst_lateness_ns / 1000,
             "sample_to_accepted_us": percentiles(self.command_age_ns),
         }
 

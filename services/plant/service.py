@@ -207,8 +207,7 @@ class Plant:
             return
         late_ns = self.grid.wait(substep)
         if self.timeline.tick != NO_TRIAL:
-            self.counters.lateness_ns.append(late_ns)
-            self.counters.shifts += late_ns > SLACK_NS
+            self.counters.woke(late_ns, shifts=late_ns > SLACK_NS)
         lease_ns = self.lease.after(late_ns, armed=self.keeper.mailbox.arming != 0)
         if lease_ns != UNCHOSEN:
             self.keeper.limits = self.keeper.limits._replace(permit_ttl_ns=lease_ns, command_ttl_ns=lease_ns)
