@@ -48,12 +48,16 @@ def test_everything_is_measured_and_a_trial_of_a_second_signs_nothing(own_cache:
     assert not processes(place)
 
 
-@pytest.mark.parametrize("number", [signal.SIGINT, signal.SIGKILL])
-def test_an_interrupted_qualification_leaves_no_process(own_cache: Path, number: int):
+@pytest.mark.parametrize(
+    ("number", "alive"),
+    [(signal.SIGINT, 2), (signal.SIGKILL, 2), (signal.SIGINT, 3)],
+    ids=["ctrl-c in the ping-pong", "killed in the ping-pong", "ctrl-c in the loop"],
+)
+def test_an_interrupted_qualification_leaves_no_process(own_cache: Path, number: int, alive: int):
     place = own_place()
     run = begun(place, "qualify", "--quick", "--rate-hz", "100")
     try:
-        until(lambda: len(processes(place)) == 2, "both ends of the ping-pong")
+        until(lambda: len(processes(place)) == alive, "both ends of the ping-pong, or the three services of the cell")
     finally:
         status, words = end(run, number)
     assert status == (130 if number == signal.SIGINT else -number), words

@@ -11,6 +11,7 @@ from experiments.claims import Verdict
 from experiments.library import find
 from services.operator.report import Report, markdown, show, write_json
 from shared.faults import Fault
+from shared.qualified import Qualified
 
 EXPERIMENT = find("fig-4-25")
 HOLDS, FAILS = (Verdict(EXPERIMENT.claims[0], 1.0, held) for held in (True, False))
@@ -88,3 +89,14 @@ def test_what_was_broken_on_purpose_is_said_everywhere(tmp_path: Path):
         assert "drop supply 0.5 share at 2 s for 1 s" in text and "stuck force at 0 s to the end" in text
     write_json(tmp_path / "report.json", made)
     assert json.loads((tmp_path / "report.json").read_text())["faults"] == [fault._asdict() for fault in faults]
+
+
+def test_the_report_carries_how_the_host_is_qualified_or_that_it_is_not(tmp_path: Path):
+    found = Qualified(4_500_000, "B", "yesterday", 4_500_000, 4444, 0.0005, 1400.0, 12_000.0, 36.0)._asdict()
+    told = []
+    for made in (report()._replace(qualification=found), report(), report()._replace(clock="local")):
+        write_json(tmp_path / "r.json", made)
+        told.append(json.loads((tmp_path / "r.json").read_text()))
+    assert [one["qualification"] for one in told] == [found, None, None]
+    assert "signed for 222.2 Hz, grade B (yesterday)" in told[0]["qualified"]
+    assert "not qualified" in told[1]["qualified"] and told[2]["qualified"] is None
