@@ -51,9 +51,15 @@ class Figures(NamedTuple):
 class Condition(NamedTuple):
     """One row of the rule."""
 
+    what: str
+    measured: Callable[[Figures], float]
     holds: Callable[[Figures], bool]
     words: Callable[[Figures], str]  # what does not hold, with its number and limit
     borne: bool  # must hold for a trial to run at all
+
+    def reason(self, figures: Figures) -> str:
+        """Why it does not hold."""
+        return self.words(figures) if math.isfinite(self.measured(figures)) else f"{self.what}: not measured"
 
 
 class Verdict(NamedTuple):
@@ -91,9 +97,23 @@ def _measured(figures: Figures) -> bool:
 
 
 RULE = (
-    Condition(lambda f: f.ended == "", lambda f: f"the trial did not come to its end: {f.ended}", True),
-    Condition(_measured, lambda _: "wake-ups, the machine's limit, the ping-pong or the loop were not measured", True),
     Condition(
+        "the end of the trial",
+        lambda _: 0.0,
+        lambda f: f.ended == "",
+        lambda f: f"the trial did not come to its end: {f.ended}",
+        True,
+    ),
+    Condition(
+        "wake-ups, the machine's own, the ping-pong or the loop",
+        lambda f: 0.0 if _measured(f) else math.nan,
+        _measured,
+        lambda _: "",
+        True,
+    ),
+    Condition(
+        f"the worst {WINDOW} samples",
+        lambda f: f.worst_window,
         lambda f: f.worst_window >= floor(f.period_ns),
         lambda f: (
             f"in the worst {WINDOW} samples {f.worst_window:.0%} were in time, the supervisor wants {floor(f.period_ns):.0%}"
@@ -101,6 +121,8 @@ RULE = (
         True,
     ),
     Condition(
+        "the lease",
+        lease_ns,
         lambda f: lease_ns(f) <= MAX_LEASE_NS,
         lambda f: (
             f"wake-ups want a lease of {lease_ns(f) / _NS_PER_MS:.0f} ms, at most {MAX_LEASE_NS / _NS_PER_MS:.0f} are given"
@@ -108,16 +130,22 @@ RULE = (
         True,
     ),
     Condition(
+        "the number of samples",
+        lambda f: float(f.samples),
         lambda f: f.samples >= ENOUGH_SAMPLES,
         lambda f: f"{f.samples} samples are too few to show one late in a thousand: {ENOUGH_SAMPLES} are needed (--seconds)",
         False,
     ),
     Condition(
+        "late samples",
+        late_share,
         lambda f: late_share(f) <= LATE_SHARE,
         lambda f: f"{late_share(f):.2%} of the samples were taken or answered late, {LATE_SHARE:.1%} may be",
         False,
     ),
     Condition(
+        "lost frames",
+        lost_share,
         lambda f: lost_share(f) <= LATE_SHARE,
         lambda f: f"{f.lost:.0f} frames were lost in {f.samples} samples, {LATE_SHARE:.1%} may be",
         False,
@@ -128,7 +156,7 @@ RULE = (
 def judge(figures: Figures) -> Verdict:
     """Grade and reasons of one rate."""
     broken = [condition for condition in RULE if not condition.holds(figures)]
-    reasons = tuple(condition.words(figures) for condition in broken)
+    reasons = tuple(condition.reason(figures) for condition in broken)
     if broken:
         return Verdict("D" if any(condition.borne for condition in broken) else "C", False, reasons)
     nothing_late = late_share(figures) == 0 and figures.late_permits == 0 and figures.lost == 0

@@ -1,12 +1,14 @@
 """`hydrohil qualify` without a measurement: what it tries, says, writes, records, and its exit status."""
 
 import json
+import re
 
 import pytest
 from qualification_scene import GOOD
 from typer.testing import CliRunner
 
 from qualification import measure as measuring
+from qualification.grading import Figures
 from qualification.measure import Measured
 from services.operator.cell import CellError
 from services.operator.cli import app
@@ -114,6 +116,12 @@ def test_table_grade_and_reasons_are_printed(qualify):
     assert all(
         word in text for word in ("SCHED_FIFO", "bare round trip", "222.2 Hz: grade C", "100 Hz: grade A", "late, 0.1% may be")
     )
+
+
+def test_what_was_not_measured_is_a_dash(qualify):
+    made = qualify(lambda wish, period, show: Measured(Figures(4_500_000), GRANTED), "--rate-hz", "222.2")
+    assert made.exit_code == 1
+    assert not re.search(r"\bnan\b", made.stdout) and "- of 0 unanswered" in made.stdout and "no trial was made" in made.stdout
 
 
 def test_a_trial_too_short_for_a_signature_ends_with_1_and_is_not_recorded(qualify):

@@ -81,7 +81,8 @@ def test_every_reason_says_its_number():
     text = "\n".join(judge(worse).reasons)
     assert all(word in text for word in ("1.00%", "50 frames", "50%", "210 ms", f"{MAX_LEASE_NS // 1_000_000}"))
     everything = judge(Figures(PERIOD_NS)).reasons
-    assert len(everything) == len(RULE) and all(everything)
+    assert len(everything) == len(RULE) and all(everything) and "nan" not in " ".join(everything)
+    assert [reason.endswith("not measured") for reason in everything] == [False, True, True, True, False, True, True]
 
 
 def test_the_floor_is_the_supervisors_own_at_the_lease_of_industrial_arms():

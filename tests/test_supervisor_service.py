@@ -359,7 +359,7 @@ def test_a_new_load_forgets_the_samples_that_wait():
     scene = InStep()
     scene.sampled(10, -8).judged()
     assert scene.sampled(11, -7).judged() == []
-    scene.supervisor.pending = (scene.supervisor.envelope, scene.supervisor.config)
+    scene.supervisor.pending = (scene.supervisor.envelope, scene.supervisor.config, False)
     scene.commit({"digest": scene.supervisor.envelope.digest.hex()})
     assert scene.answered(10).judged() == []
 

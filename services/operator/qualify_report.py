@@ -45,13 +45,14 @@ def _times_table(tried: Sequence[Tried]) -> Table:
 
 
 def _rows(figures: Figures) -> tuple[tuple[str, Spread, str], ...]:
-    late = f"{figures.wake_ups_shifting:.0f} later than 0.5 ms, {figures.wake_ups_skipping:.0f} than a period"
+    late = f"{_count(figures.wake_ups_shifting)} later than 0.5 ms, {_count(figures.wake_ups_skipping)} than a period"
+    unanswered = f"{_count(figures.unanswered)} of {figures.samples} unanswered at the latch"
     return (
         ("wake-ups, late by", figures.wake_ups_us, late),
         ("the machine's own", figures.limit_us, figures.limit_by),
-        ("bare round trip", figures.ping_us, f"{figures.ping_lost:.0f} lost"),
-        ("sample -> command", figures.accepted_us, f"{figures.unanswered:.0f} of {figures.samples} unanswered at the latch"),
-        ("the plant's wake-ups", figures.grid_us, f"{figures.shifts:.0f} later than 0.5 ms"),
+        ("bare round trip", figures.ping_us, f"{_count(figures.ping_lost)} lost"),
+        ("sample -> command", figures.accepted_us, unanswered),
+        ("the plant's wake-ups", figures.grid_us, f"{_count(figures.shifts)} later than 0.5 ms"),
     )
 
 
@@ -59,11 +60,20 @@ def _ms(us: float) -> str:
     return f"{us / _US_PER_MS:.3f}" if math.isfinite(us) else "-"
 
 
+def _count(number: float) -> str:
+    return f"{number:.0f}" if math.isfinite(number) else "-"
+
+
+def _share(share: float, digits: int) -> str:
+    return f"{share:.{digits}%}" if math.isfinite(share) else "-"
+
+
 def _show_verdict(console: Console, one: Tried) -> None:
     figures, verdict = one.figures, one.verdict
     colour = "green" if verdict.signed else "red"
     numbers = (
-        f"{late_share(figures):.2%} late, worst 100 samples {figures.worst_window:.0%} in time, {figures.lost:.0f} frames lost, "
+        f"{_share(late_share(figures), 2)} late, worst 100 samples {_share(figures.worst_window, 0)} in time, "
+        f"{_count(figures.lost)} frames lost, "
         f"lease {_ms(lease_ns(figures) / _NS_PER_US)} ms"
     )
     rate = hertz(figures.period_ns)
