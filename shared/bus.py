@@ -65,7 +65,7 @@ class Bus:
         self._starts: dict[str, int] = {}  # epoch of each service that has answered
         self.waits_for_room = False  # instead of dropping: in lockstep nothing may be lost to a slow reader
         self.conditions = idle(service)
-        self._inboxes: list[Inbox] = []
+        self._inboxes: dict[Inbox, Any] = {}  # with what feeds it
         self._port_base = port_base
         self._lock = threading.Lock()
         self._lock.acquire()
@@ -130,10 +130,13 @@ class Bus:
     def subscribe(self, key: str, depth: int = RING) -> Inbox:
         """A ring fed by one topic."""
         inbox = Inbox(BY_KEY[key], self.identity.cell, depth, self.wake)
-        self._inboxes.append(inbox)
         handler = zenoh.handlers.Callback(inbox.put, indirect=False)
-        self._session.declare_subscriber(expression(self.identity.cell, key), handler)
+        self._inboxes[inbox] = self._session.declare_subscriber(expression(self.identity.cell, key), handler)
         return inbox
+
+    def unsubscribe(self, inbox: Inbox) -> None:
+        """Feed a ring no longer; what it holds stays."""
+        self._inboxes.pop(inbox).undeclare()
 
     def listen(self, key: str, take: Callable[[bytes], None]) -> None:
         """Bare payloads of a topic, for who measures the transport: `take` runs in its callback."""

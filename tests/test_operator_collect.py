@@ -34,9 +34,14 @@ class Network:
 
     def __init__(self, messages: list[Received]):
         self.messages = messages
+        self.fed: list[Ring] = []
 
     def subscribe(self, key: str, depth: int) -> Ring:
-        return Ring(key, [message for message in self.messages if message.topic == key])
+        self.fed.append(Ring(key, [message for message in self.messages if message.topic == key]))
+        return self.fed[-1]
+
+    def unsubscribe(self, ring: Ring) -> None:
+        self.fed.remove(ring)
 
 
 MESSAGES = [message for message in trial(TICKS) if isinstance(message, Received)]
@@ -127,3 +132,12 @@ def test_the_first_cut_of_the_run_is_told_with_its_numbers():
 def test_neither_another_run_nor_a_gate_that_opens_is_a_cut():
     others = (event(GateState.BURNED, GateCause.ESTOP, run=RUN + 1), event(GateState.OPEN, GateCause.NONE))
     assert trip(permit(TripCause.GATE_CUT), *others) == "the gate has cut; its own event says why: 340 against 334 (sample 91)"
+
+
+def test_a_collector_that_is_closed_costs_no_later_trial_and_keeps_what_it_heard():
+    network = Network(MESSAGES)
+    collector = Collector(network)  # type: ignore[arg-type]
+    assert network.fed
+    collector.close()
+    assert network.fed == []
+    assert len(collector.trace(RUN, TICKS).tick) == TICKS

@@ -60,7 +60,8 @@ class Collector:
     """Rings for the loop's topics, from before the trial to after its end."""
 
     def __init__(self, bus: Bus) -> None:
-        """Subscribe."""
+        """Subscribe, until `close`."""
+        self._bus = bus
         self.samples = bus.subscribe("plant/sample", DEPTH)
         self.commands = bus.subscribe("controller/command", DEPTH)
         self.states = bus.subscribe("controller/state", DEPTH)
@@ -68,6 +69,11 @@ class Collector:
         self.gate_events = bus.subscribe("plant/gate", DEPTH)
         self._others = [bus.subscribe(topic.key, DEPTH) for topic in TOPICS if topic.key not in _JOINED]  # for a trip's report
         self._taken: dict[str, list[Received]] = {}
+
+    def close(self) -> None:
+        """Let go of the topics: whoever plays many trials must not pay for those before. What was heard stays."""
+        for inbox in (*self._loop, *self._others):
+            self._bus.unsubscribe(inbox)
 
     def trip(self, run: int) -> str:
         """Why this run tripped, in words; "" if it did not. The permits tell: an overloaded cell may answer no request."""

@@ -3,6 +3,7 @@
 import secrets
 import time
 from collections.abc import Callable, Mapping
+from contextlib import closing
 from typing import Any, NamedTuple
 
 from experiments.experiment import Experiment, to_plain
@@ -148,8 +149,21 @@ def run_live(
     unqualified: bool = False,
 ) -> Live:
     """Load, arm, start, watch to the end; always disarms. `tell` gets the report of a trip, also where CellError is raised."""
-    run, warnings = load(bus, experiment, seed, clock, unqualified=unqualified)
-    collector = Collector(bus)
+    loaded = load(bus, experiment, seed, clock, unqualified=unqualified)
+    with closing(Collector(bus)) as collector:
+        return _play(bus, experiment, loaded, collector, show, tell)
+
+
+def _play(
+    bus: Bus,
+    experiment: Experiment,
+    loaded: Loaded,
+    collector: Collector,
+    show: Callable[[float], None],
+    tell: Callable[[Document], object],
+) -> Live:
+    """What is loaded, from its arming to its end."""
+    run, warnings = loaded
     strikes = Strikes(bus, of_group(experiment.faults, "process"), experiment.duration_s)
 
     def told(trial_s: float) -> None:
