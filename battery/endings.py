@@ -31,7 +31,7 @@ def ended(rig: Rig, dice: Random, number: int, how: signal.Signals, everything: 
         experiment, recording = Path(folder) / "swing.toml", Path(folder) / "run.rrd"
         experiment.write_text(to_toml(SWING))
         line = [sys.executable, "-m", "services.operator.cli", "run", str(experiment), "--rrd", str(recording), "--unqualified"]
-        line += ["--cell", place.cell, "--port", str(place.port), *rig.extra.get("plant", [])]
+        line += [*place.words, *rig.extra.get("plant", [])]
         quiet = subprocess.DEVNULL
         run = subprocess.Popen(line, cwd=folder, stdout=quiet, stderr=quiet, start_new_session=True)  # its reports stay there
         try:

@@ -1,4 +1,4 @@
-"""The only file that imports zenoh: a full mesh of peers on explicit loopback endpoints, no router, no daemon.
+"""The only file that imports zenoh: a mesh of peers on explicit endpoints, or clients of a router; `shared.endpoints` says which.
 
 A callback only stamps and appends to a bounded ring; whoever steps drains all of it, checks and counts every frame.
 Every session tries for ever, so the order of starting does not matter. Liveliness tokens show presence, no more.
@@ -9,7 +9,8 @@ import json
 import socket
 import threading
 import time
-from collections.abc import Callable
+from collections.abc import Callable, Iterator
+from contextlib import contextmanager
 from types import TracebackType
 from typing import Any, NamedTuple
 
@@ -17,16 +18,15 @@ import zenoh
 
 from shared.codec import WIRE_VERSION, Header, Received, decode, encode
 from shared.detour import Conditions, idle
+from shared.endpoints import HERE, LISTENERS, Network, address, configuration, listener, router_configuration
 from shared.inbox import RING, Inbox
 from shared.messages import NO_COMMAND, Answer, Ask
 from shared.requests import REPEATABLE, TO, Request, Requests
 from shared.topics import ANSWER, ASK, BY_KEY, Topic, expression
 
-LISTENERS = ("plant", "controller", "supervisor", "recorder")  # offset from the cell's first port
 DEFAULT_PORT = 7450
-HOST = "127.0.0.1"
-_PRIORITIES = ("control", "real_time", "interactive_high", "interactive_low", "data_high", "data", "data_low", "background")
-_QUEUED_BATCHES = 16  # two, the default, lose messages when the processor is contended
+_TAKEN = "a {service} runs there already; stop it (`hydrohil down`) or give this cell other ports (`--port N`)"
+_THERE = "a {service} of cell {cell!r} is at this router already; stop it (`hydrohil down`) or name another (`--cell NAME`)"
 
 
 class BusError(Exception):
@@ -57,7 +57,7 @@ def same_run(header: Header, run: Run) -> bool:
 class Bus:
     """A service's place on the network."""
 
-    def __init__(self, service: str, cell: str, port_base: int, epoch: int) -> None:
+    def __init__(self, service: str, cell: str, port_base: int, epoch: int, network: Network = HERE) -> None:
         """Nothing is opened before the `with`."""
         self.identity = Identity(cell, service, epoch)
         self.run = Run()
@@ -66,19 +66,22 @@ class Bus:
         self.waits_for_room = False  # instead of dropping: in lockstep nothing may be lost to a slow reader
         self.conditions = idle(service)
         self._inboxes: dict[Inbox, Any] = {}  # with what feeds it
-        self._port_base = port_base
+        self._port_base, self._network = port_base, network
         self._lock = threading.Lock()
         self._lock.acquire()
         self._seq: dict[str, int] = {}
         self._publishers: dict[tuple[str, bool], Any] = {}
 
     def __enter__(self) -> "Bus":
-        """Open the session; raises BusError if this service's port is taken."""
-        self._refuse_taken_port()
-        try:
-            self._session = zenoh.open(_config(self.identity.sender, self._port_base))
-        except zenoh.ZError as error:
-            raise BusError(f"the transport does not open: {error}") from error
+        """Open the session; raises BusError if this service is there already, or no router answers within a second."""
+        service = self.identity.sender
+        own = listener(service, self._port_base, self._network)
+        if own is not None:
+            _refuse_taken(own, _TAKEN.format(service=service))
+        self._session = _open(configuration(service, self._port_base, self._network), self._network.router)
+        if self._network.router and service in LISTENERS and service in self.alive():
+            self._session.close()
+            raise BusError(_THERE.format(service=service, cell=self.identity.cell))
         self._queryable = self._session.declare_queryable(
             expression(self.identity.cell, f"{ASK.key}/{self.identity.sender}"),
             zenoh.handlers.Callback(self._asked, indirect=False),
@@ -88,24 +91,7 @@ class Bus:
 
     def __exit__(self, kind: type[BaseException] | None, error: BaseException | None, trace: TracebackType | None) -> None:
         """Close the session; what was sent is flushed."""
-        self._session.close()  # type: ignore[no-untyped-call]
-
-    def _refuse_taken_port(self) -> None:
-        service = self.identity.sender
-        if service not in LISTENERS:
-            return
-        port = self._port_base + LISTENERS.index(service)
-        with socket.socket() as probe:
-            probe.setsockopt(socket.SOL_SOCKET, socket.SO_REUSEADDR, 1)
-            try:
-                probe.bind((HOST, port))
-            except OSError as error:
-                if error.errno != errno.EADDRINUSE:
-                    raise BusError(f"port {port} on {HOST}: {error.strerror}") from error
-                raise BusError(
-                    f"port {port} on {HOST} is in use: a {service} runs there already; "
-                    f"stop it (`hydrohil down`) or give this cell other ports (`--port N`)"
-                ) from error
+        self._session.close()
 
     def wake(self) -> None:
         """Let `wait` return. Safe from any thread."""
@@ -218,30 +204,35 @@ class Bus:
         return {str(reply.ok.key_expr).rsplit("/", 1)[1] for reply in tokens if reply.ok is not None}
 
 
-def _config(service: str, port_base: int) -> Any:
-    """Listen on one's own port, connect to every listener started before; the operator only connects."""
-    rank = LISTENERS.index(service) if service in LISTENERS else len(LISTENERS)
-    listen = [f"tcp/{HOST}:{port_base + rank}"] if service in LISTENERS else []
-    connect = [f"tcp/{HOST}:{port_base + i}" for i in range(rank)]
-    queue = {"size": dict.fromkeys(_PRIORITIES, _QUEUED_BATCHES)}
-    return zenoh.Config.from_json5(
-        json.dumps(
-            {
-                "mode": "peer",
-                "listen": {"endpoints": listen},
-                "connect": {
-                    "endpoints": connect,
-                    "timeout_ms": -1,
-                    "exit_on_failure": False,
-                    "retry": {"period_init_ms": 50, "period_max_ms": 200, "period_increase_factor": 1.5},
-                },
-                "scouting": {"delay": 0, "multicast": {"enabled": False}, "gossip": {"enabled": False}},
-                "timestamping": {"enabled": False},
-                "queries_default_timeout": 1000,
-                "transport": {
-                    "shared_memory": {"enabled": False},
-                    "link": {"tx": {"lease": 500, "keep_alive": 4, "queue": queue}},
-                },
-            }
-        )
-    )
+@contextmanager
+def router(listen: str) -> Iterator[None]:
+    """Route between clients that connect to the endpoint `listen`; raises BusError if its port is taken."""
+    _refuse_taken(address(listen, "--listen"), "another router may run there: stop it, or name another port (`--listen`)")
+    session = _open(router_configuration(listen), "")
+    try:
+        yield
+    finally:
+        session.close()
+
+
+def _open(text: str, router: str) -> Any:
+    """A session; `router` is the endpoint that it needs, if any."""
+    try:
+        return zenoh.open(zenoh.Config.from_json5(text))
+    except zenoh.ZError as error:
+        if router:
+            raise BusError(f"no router answers at {router}: start it (`hydrohil router`)") from error
+        raise BusError(f"the transport does not open: {error}") from error
+
+
+def _refuse_taken(where: tuple[str, int], advice: str) -> None:
+    """Raise BusError, with `advice` where somebody listens there already."""
+    host, port = where
+    with socket.socket() as probe:
+        probe.setsockopt(socket.SOL_SOCKET, socket.SO_REUSEADDR, 1)
+        try:
+            probe.bind((host, port))
+        except OSError as error:
+            if error.errno == errno.EADDRINUSE:
+                raise BusError(f"port {port} on {host} is in use: {advice}") from error
+            raise BusError(f"port {port} on {host}: {error.strerror}") from error

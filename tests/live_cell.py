@@ -56,8 +56,7 @@ def own_place() -> cells.Place:
 def line(place: cells.Place, *arguments: str) -> list[str]:
     """The command line in that cell; what the machine is signed for must not decide what these tests say."""
     unqualified = ["--unqualified"] * (arguments[0] == "run")
-    where = ["--cell", place.cell, "--port", str(place.port)]
-    return [sys.executable, "-m", "services.operator.cli", *arguments, *where, *unqualified]
+    return [sys.executable, "-m", "services.operator.cli", *arguments, *place.words, *unqualified]
 
 
 def hydrohil(place: cells.Place, *arguments: str) -> subprocess.CompletedProcess[str]:

@@ -16,6 +16,7 @@ from experiments.trace import Trace, load
 from services.operator import cell as cells
 from shared.bus import Bus
 from shared.codec import MAX_FRAME_BYTES, WIRE_VERSION, Header, encode
+from shared.endpoints import Network
 from shared.messages import NO_COMMAND, Command
 from shared.topics import expression
 
@@ -155,4 +156,32 @@ def test_a_port_in_use_is_named_and_nothing_is_left(tmp_path: Path):
         run = hydrohil(place, "run", swing(tmp_path), "--permit-ttl-ms", "200")
     assert run.returncode == 5
     assert f"port {place.port + 2}" in run.stderr and "--port" in run.stderr
+    assert not processes(place)
+
+
+def test_a_cell_whose_services_have_addresses_of_their_own_comes_up_runs_and_goes_down(tmp_path: Path):
+    place = own_place()._replace(network=Network((("plant", "127.0.0.2"), ("controller", "127.0.0.3"))))
+    up = hydrohil(place, "up", "--permit-ttl-ms", "200")
+    try:
+        assert up.returncode == 0, up.stdout + up.stderr
+        run = hydrohil(place, "run", swing(tmp_path))
+        assert run.returncode == 0, run.stdout + run.stderr
+        second = hydrohil(place, "plant")
+        assert second.returncode == 5 and f"port {place.port} on 127.0.0.2 is in use" in second.stderr, second.stderr
+    finally:
+        assert hydrohil(place, "down").returncode == 0
+    assert not processes(place)
+
+
+def test_up_starts_what_is_here_says_how_the_rest_is_started_and_run_brings_up_no_cell_that_needs_another_host(tmp_path: Path):
+    place = own_place()._replace(network=Network((("plant", "192.0.2.7"),)))  # kept for examples: no machine has it
+    run = hydrohil(place, "run", swing(tmp_path))
+    assert run.returncode == 5 and "start each on its host" in run.stderr, run.stderr
+    up = begun(place, "up")
+    assert up.stdout is not None
+    line = up.stdout.readline()
+    assert line == f"on 192.0.2.7: hydrohil plant --cell {place.cell} --port {place.port} --hosts plant=192.0.2.7\n"
+    until(lambda: len(processes(place)) == 3, "the others are started")
+    status, words = end(up)
+    assert status == 5 and "interrupted" in words
     assert not processes(place)

@@ -36,4 +36,10 @@ def fast(monkeypatch):
     ids=["no cell", "a cell", "links come up", "a cell ends", "a service is missing for good"],
 )
 def test_what_is_found_is_what_stays(looks, found):
-    assert run._found(Network(*looks)) == found  # type: ignore[arg-type]
+    assert run._found(Network(*looks), run._LINKS_S) == found  # type: ignore[arg-type]
+
+
+def test_a_cell_on_other_hosts_may_take_longer_to_be_found():
+    late = [set()] * 60 + [ALL]  # a look a millisecond, at best
+    assert run._found(Network(*late), 0.05) == set()  # type: ignore[arg-type]
+    assert run._found(Network(*late), 10.0) == ALL  # type: ignore[arg-type]

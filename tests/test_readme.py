@@ -16,8 +16,8 @@ from experiments.library import find
 from experiments.overrides import with_overrides
 from services.operator.cli import app
 from shared import messages, process
-from shared.bus import LISTENERS
 from shared.codec import WIRE_VERSION, Header, Received, decode, encode
+from shared.endpoints import LISTENERS
 from shared.messages import NO_TRIAL, Command, ControllerState, Sample
 from shared.topics import ANSWER, ASK, BY_KEY, BY_SCHEMA, SERVICES, TOPICS, expression
 

@@ -153,5 +153,6 @@ class Controller:
 
 def main(arguments: list[str] | None = None) -> int:
     """Run until a signal; returns the exit status."""
-    options = options_of(parser("controller", __doc__).parse_args(arguments))
+    line = parser("controller", __doc__)
+    options = options_of(line, line.parse_args(arguments))
     return serve("controller", options, lambda bus, stopped: Controller(bus).run(stopped))

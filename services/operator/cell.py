@@ -4,6 +4,7 @@ import contextlib
 import json
 import os
 import signal
+import socket
 import subprocess
 import sys
 import time
@@ -13,6 +14,7 @@ from typing import Any, NamedTuple
 
 from shared import cache
 from shared.bus import Bus, BusError
+from shared.endpoints import HERE, Network
 from shared.messages import Answer
 from shared.process import draw_number
 from shared.topics import SERVICES
@@ -44,11 +46,33 @@ class Place(NamedTuple):
 
     cell: str
     port: int
+    network: Network = HERE
+
+    @property
+    def words(self) -> list[str]:
+        """The options that name this cell to a service or a command."""
+        return ["--cell", self.cell, "--port", str(self.port), *self.network.words]
+
+    def elsewhere(self, services: Iterable[str]) -> list[str]:
+        """Those of `services` whose address is none of this machine's; behind a router nobody has one."""
+        if self.network.router:
+            return []
+        return [service for service in services if not _on_this_machine(self.network.host(service))]
 
     @property
     def folder(self) -> Path:
         """Logs and process numbers of this cell."""
         return cache.folder() / "cells" / self.cell
+
+
+def _on_this_machine(address: str) -> bool:
+    """Whether one can listen there."""
+    with socket.socket() as probe:
+        try:
+            probe.bind((address, 0))
+        except OSError:
+            return False
+    return True
 
 
 Processes = dict[str, subprocess.Popen[bytes]]
@@ -59,7 +83,7 @@ def start(place: Place, services: Iterable[str], *, with_parent: bool, extra: di
     place.folder.mkdir(parents=True, exist_ok=True)
     started = {}
     for service in services:
-        line = [sys.executable, "-m", f"services.{service}", "--cell", place.cell, "--port", str(place.port)]
+        line = [sys.executable, "-m", f"services.{service}", *place.words]
         line += ["--with-parent", str(os.getpid())] * with_parent + extra.get(service, [])
         with (place.folder / f"{service}.log").open("wb") as log:
             started[service] = subprocess.Popen(
@@ -125,7 +149,7 @@ def last_words(place: Place, service: str) -> str:
 def operator_bus(place: Place) -> Iterator[Bus]:
     """The operator's own place on the cell's network."""
     try:
-        with Bus("operator", place.cell, place.port, draw_number()) as bus:
+        with Bus("operator", place.cell, place.port, draw_number(), place.network) as bus:
             yield bus
     except BusError as error:
         raise CellError(str(error)) from error

@@ -2,15 +2,18 @@
 
 import json
 import time
-from typing import Annotated, Any
+from typing import TYPE_CHECKING, Annotated, Any
 
 import typer
 
-from services.operator.options import AsJson, CellName, Port, app, console, fail, service_options
+from services.operator.options import AsJson, CellName, Hosts, Port, Router, app, console, fail, place_of, service_options
 from shared.bus import DEFAULT_PORT
 from shared.messages import GateState
 from shared.process import EXIT_TRANSPORT, EXIT_TRIPPED, EXIT_USAGE
 from shared.topics import SERVICES
+
+if TYPE_CHECKING:
+    from services.operator.cell import Place
 
 _SAMPLES_S = 0.05  # the supervisor judges an emergency stop by what the next samples say of the gate
 
@@ -19,20 +22,22 @@ _SAMPLES_S = 0.05  # the supervisor judges an emergency stop by what the next sa
 def up(
     cell: CellName = "cell",
     port: Port = DEFAULT_PORT,
+    hosts: Hosts = "",
+    router: Router = "",
     permit_ttl_ms: Annotated[float | None, typer.Option(help="Lease; default: chosen from this host's lateness.")] = None,
     realtime: Annotated[bool, typer.Option(help="Ask for real-time scheduling.")] = True,
 ) -> None:
-    """Start a cell in the background and wait until it is ready.
+    """Start a cell in the background and wait until it is ready. Services that `--hosts` puts elsewhere are started there.
 
     Example: `hydrohil up && hydrohil run fig-4-25 && hydrohil down`
     """
     from services.operator import cell as cells
 
-    place = cells.Place(cell, port)
+    place = place_of(cell, port, hosts, router)
     if cells.remembered(place):
         raise fail(f"cell {cell!r} is up already: `hydrohil status`, or `hydrohil down` first", EXIT_USAGE)
     began = time.monotonic()
-    started = cells.start(place, SERVICES, with_parent=False, extra=service_options(permit_ttl_ms, realtime=realtime))
+    started = cells.start(place, _here(place), with_parent=False, extra=service_options(permit_ttl_ms, realtime=realtime))
     cells.remember(place, started)
     try:
         with console.status("starting: compiles once, then measures this host for two seconds"), cells.operator_bus(place) as bus:
@@ -48,12 +53,23 @@ def up(
     console.print(found["supervisor"]["qualified"], soft_wrap=True, markup=False, highlight=False)
 
 
+def _here(place: "Place") -> list[str]:
+    """Services to start on this machine; says how the others are started."""
+    away = place.elsewhere(SERVICES)
+    if len(away) == len(SERVICES):
+        raise fail("none of this cell's services is on this machine: start each on its host (`hydrohil plant`)", EXIT_USAGE)
+    for service in away:
+        line = " ".join(("hydrohil", service, *place.words))
+        console.print(f"on {place.network.host(service)}: {line}", soft_wrap=True, highlight=False, markup=False)
+    return [service for service in SERVICES if service not in away]
+
+
 @app.command()
-def down(cell: CellName = "cell", port: Port = DEFAULT_PORT) -> None:
-    """Stop what `up` started; the valves go to zero first."""
+def down(cell: CellName = "cell", port: Port = DEFAULT_PORT, hosts: Hosts = "", router: Router = "") -> None:
+    """Stop what `up` started on this machine; the valves go to zero first."""
     from services.operator import cell as cells
 
-    place = cells.Place(cell, port)
+    place = place_of(cell, port, hosts, router)
     pids = cells.remembered(place)
     if not pids:
         raise fail(f"nothing of cell {cell!r} was started by `hydrohil up`", EXIT_USAGE)
@@ -63,14 +79,16 @@ def down(cell: CellName = "cell", port: Port = DEFAULT_PORT) -> None:
 
 
 @app.command()
-def status(cell: CellName = "cell", port: Port = DEFAULT_PORT, as_json: AsJson = False) -> None:
+def status(
+    cell: CellName = "cell", port: Port = DEFAULT_PORT, hosts: Hosts = "", router: Router = "", as_json: AsJson = False
+) -> None:
     """Say which services answer, their state, and what was discarded and lost."""
     from rich.table import Column, Table
 
     from services.operator import cell as cells
 
     try:
-        with cells.operator_bus(cells.Place(cell, port)) as bus:
+        with cells.operator_bus(place_of(cell, port, hosts, router)) as bus:
             await_links(bus)
             found = cells.statuses(bus)
     except cells.CellError as error:
@@ -89,7 +107,7 @@ def status(cell: CellName = "cell", port: Port = DEFAULT_PORT, as_json: AsJson =
 
 
 @app.command()
-def estop(cell: CellName = "cell", port: Port = DEFAULT_PORT) -> None:
+def estop(cell: CellName = "cell", port: Port = DEFAULT_PORT, hosts: Hosts = "", router: Router = "") -> None:
     """Emergency stop at gate and supervisor; either alone suffices.
 
     Exit 5 unless the plant reports zero current, and reads it back at the D/A where that is possible.
@@ -98,7 +116,7 @@ def estop(cell: CellName = "cell", port: Port = DEFAULT_PORT) -> None:
     from services.operator.emergency import outcome
 
     try:
-        with cells.operator_bus(cells.Place(cell, port)) as bus:
+        with cells.operator_bus(place_of(cell, port, hosts, router)) as bus:
             await_links(bus)
             at_gate = bus.ask("plant", "estop", {}, 1.0)
             bus.ask("supervisor", "estop", {}, 1.0)
@@ -111,18 +129,18 @@ def estop(cell: CellName = "cell", port: Port = DEFAULT_PORT) -> None:
 
 
 @app.command()
-def stop(cell: CellName = "cell", port: Port = DEFAULT_PORT) -> None:
+def stop(cell: CellName = "cell", port: Port = DEFAULT_PORT, hosts: Hosts = "", router: Router = "") -> None:
     """End the trial and disarm."""
-    _request(cell, port, "supervisor", "stop", "disarmed")
+    _request(place_of(cell, port, hosts, router), "supervisor", "stop", "disarmed")
 
 
 @app.command()
-def reset(cell: CellName = "cell", port: Port = DEFAULT_PORT) -> None:
+def reset(cell: CellName = "cell", port: Port = DEFAULT_PORT, hosts: Hosts = "", router: Router = "") -> None:
     """Leave TRIPPED. Refused while the cause stands; never moves anything."""
     from services.operator import cell as cells
 
     try:
-        with cells.operator_bus(cells.Place(cell, port)) as bus:
+        with cells.operator_bus(place_of(cell, port, hosts, router)) as bus:
             await_links(bus)
             cells.ask(bus, "plant", "reset")
             time.sleep(_SAMPLES_S)
@@ -137,12 +155,14 @@ def recover(
     seconds: Annotated[float, typer.Option(min=0.1, max=30.0, help="Hold for this long; Ctrl-C releases.")] = 2.0,
     cell: CellName = "cell",
     port: Port = DEFAULT_PORT,
+    hosts: Hosts = "",
+    router: Router = "",
 ) -> None:
     """Hold to run: move slowly in the direction that unloads what tripped, as long as this command runs."""
     from services.operator import cell as cells
 
     try:
-        with cells.operator_bus(cells.Place(cell, port)) as bus:
+        with cells.operator_bus(place_of(cell, port, hosts, router)) as bus:
             await_links(bus)
             until = time.monotonic() + seconds
             try:
@@ -159,11 +179,11 @@ def recover(
     console.print(f"released: {found.get('supervisor', {}).get('words', '')}; then `hydrohil reset`")
 
 
-def _request(cell: str, port: int, service: str, verb: str, done: str) -> None:
+def _request(place: "Place", service: str, verb: str, done: str) -> None:
     from services.operator import cell as cells
 
     try:
-        with cells.operator_bus(cells.Place(cell, port)) as bus:
+        with cells.operator_bus(place) as bus:
             await_links(bus)
             cells.ask(bus, service, verb)
     except cells.CellError as error:

@@ -12,14 +12,17 @@ import typer
 from services.operator.options import (
     AsJson,
     CellName,
+    Hosts,
     Injected,
     Port,
+    Router,
     Settings,
     Unqualified,
     app,
     console,
     fail,
     make_folders,
+    place_of,
     service_options,
     writing,
 )
@@ -87,6 +90,8 @@ def run(
     rrd: Annotated[Path | None, typer.Option(help="Write a Rerun recording.")] = None,
     cell: CellName = "cell",
     port: Port = DEFAULT_PORT,
+    hosts: Hosts = "",
+    router: Router = "",
     permit_ttl_ms: Annotated[float | None, typer.Option(help="Lease of a cell brought up for this run.")] = None,
     realtime: Annotated[bool, typer.Option(help="Real-time scheduling of a cell brought up for this run.")] = True,
     unqualified: Unqualified = False,
@@ -111,7 +116,7 @@ def run(
     experiment = experiment_of(name, settings, injected)
     if unplayed := unplayable(experiment.faults, clock):
         raise fail("\n".join(unplayed), EXIT_USAGE)
-    place = cells.Place(cell, port)
+    place = place_of(cell, port, hosts, router)
     wanted = Wanted(experiment, clock, seed, rrd, trace_file, service_options(permit_ttl_ms, realtime=realtime), unqualified)
     try:
         report = run_experiment(place, wanted, console)

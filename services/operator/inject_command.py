@@ -1,15 +1,18 @@
 """`hydrohil inject`: break something in a cell that runs, and mend it again."""
 
 import json
-from typing import Annotated
+from typing import TYPE_CHECKING, Annotated
 
 import typer
 
 from services.operator.cell_commands import await_links
-from services.operator.options import AsJson, CellName, Port, app, console, fail
+from services.operator.options import AsJson, CellName, Hosts, Port, Router, app, console, fail, place_of
 from shared.bus import DEFAULT_PORT
 from shared.faults import ROWS, Fault, value_missing
 from shared.process import EXIT_TRANSPORT, EXIT_USAGE
+
+if TYPE_CHECKING:
+    from services.operator.cell import Place
 
 _USAGE = "expected KIND TARGET, such as `hydrohil inject stuck force --for 2`; `hydrohil inject --list` shows what there is"
 
@@ -26,6 +29,8 @@ def inject(
     as_json: AsJson = False,
     cell: CellName = "cell",
     port: Port = DEFAULT_PORT,
+    hosts: Hosts = "",
+    router: Router = "",
 ) -> None:
     """Break something on purpose in a cell that runs, in a trial or outside.
 
@@ -42,14 +47,14 @@ def inject(
     fault = None if kind is None or target is None else Fault(kind, target, after_s, lasts_s, value or 0.0)
     if fault is not None and value is None and (what := value_missing(fault)):
         raise fail(f"{what}: give --value", EXIT_USAGE)
-    done = _ask(fault, cell, port)
+    done = _ask(fault, place_of(cell, port, hosts, router))
     if as_json:
         print(json.dumps({"fault": None if fault is None else fault._asdict(), "done": done}))
     else:
         console.print(done, highlight=False)
 
 
-def _ask(fault: Fault | None, cell: str, port: int) -> str:
+def _ask(fault: Fault | None, place: "Place") -> str:
     """Inject `fault`, or clear all; what was done, in words. Exit 2 where it is refused."""
     from services.operator import cell as cells
     from services.operator import injection
@@ -58,7 +63,7 @@ def _ask(fault: Fault | None, cell: str, port: int) -> str:
     if what:
         raise fail(what, EXIT_USAGE)
     try:
-        with cells.operator_bus(cells.Place(cell, port)) as bus:
+        with cells.operator_bus(place) as bus:
             await_links(bus)
             if fault is None:
                 injection.clear(bus)

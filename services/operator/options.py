@@ -5,12 +5,16 @@ import sys
 from collections.abc import Iterator
 from contextlib import contextmanager
 from pathlib import Path
-from typing import Annotated
+from typing import TYPE_CHECKING, Annotated
 
 import typer
 from rich.console import Console
 
+from shared.endpoints import network
 from shared.process import EXIT_USAGE
+
+if TYPE_CHECKING:
+    from services.operator.cell import Place
 
 app = typer.Typer(
     help="Distributed hardware-in-the-loop rig for force-controlled hydraulic manipulators.",
@@ -24,6 +28,12 @@ errors = Console(stderr=True, highlight=False, soft_wrap=True)
 
 CellName = Annotated[str, typer.Option("--cell", help="Name of the cell.")]
 Port = Annotated[int, typer.Option("--port", help="First of the cell's four ports.", min=1024, max=65000)]
+Hosts = Annotated[
+    str, typer.Option("--hosts", metavar="SERVICE=ADDRESS,...", help="Where services run; one not named: on 127.0.0.1.")
+]
+Router = Annotated[
+    str, typer.Option("--router", metavar="tcp/ADDRESS:PORT", help="Connect to this router instead of the services.")
+]
 Settings = Annotated[
     list[str] | None,
     typer.Option("--set", metavar="PATH=VALUE", help="Change one value, as TOML: controller.acting=[true,false,true]."),
@@ -43,6 +53,16 @@ def fail(message: object, status: int) -> typer.Exit:
     """One line on stderr; raise what is returned."""
     errors.print(str(message), style="red", markup=False)
     return typer.Exit(status)
+
+
+def place_of(cell: str, port: int, hosts: str, router: str) -> "Place":
+    """Where a cell is; exit 2, with one line, where `--hosts` or `--router` say nothing."""
+    from services.operator.cell import Place
+
+    try:
+        return Place(cell, port, network(hosts, router))
+    except ValueError as error:
+        raise fail(error, EXIT_USAGE) from None
 
 
 def make_folders(*files: Path | None) -> None:

@@ -8,7 +8,20 @@ from typing import TYPE_CHECKING, Annotated, Any
 
 import typer
 
-from services.operator.options import CellName, Port, Unqualified, app, console, fail, make_folders, service_options, writing
+from services.operator.options import (
+    CellName,
+    Hosts,
+    Port,
+    Router,
+    Unqualified,
+    app,
+    console,
+    fail,
+    make_folders,
+    place_of,
+    service_options,
+    writing,
+)
 from shared.bus import DEFAULT_PORT
 from shared.process import EXIT_TRANSPORT, EXIT_TRIPPED, EXIT_USAGE
 
@@ -30,6 +43,8 @@ def reproduce(
     workers: Annotated[int | None, typer.Option(min=1, help="Processes of the local clock; default: one a core.")] = None,
     cell: CellName = "cell",
     port: Port = DEFAULT_PORT,
+    hosts: Hosts = "",
+    router: Router = "",
     permit_ttl_ms: Annotated[float | None, typer.Option(help="Lease of a cell brought up for this.")] = None,
     realtime: Annotated[bool, typer.Option(help="Real-time scheduling of a cell brought up for this.")] = True,
     unqualified: Unqualified = False,
@@ -60,7 +75,8 @@ def reproduce(
             from services.operator.reproduce_live import reproduce_live
 
             options = service_options(permit_ttl_ms, realtime=realtime)
-            done = reproduce_live(cells.Place(cell, port), groups, seeds, clock, options, console, unqualified=unqualified)
+            place = place_of(cell, port, hosts, router)
+            done = reproduce_live(place, groups, seeds, clock, options, console, unqualified=unqualified)
     except cells.TrippedError as error:
         raise fail(error, EXIT_TRIPPED) from None
     except cells.UnqualifiedError as error:

@@ -1,7 +1,7 @@
 """`hydrohil run`: on the local clock in this process, otherwise in a cell that runs or is brought up for the run."""
 
 import time
-from collections.abc import Iterable, Iterator
+from collections.abc import Iterable, Iterator, Sequence
 from contextlib import contextmanager
 from pathlib import Path
 from typing import Any, NamedTuple
@@ -69,16 +69,19 @@ def _in_cell(place: cells.Place, wanted: Wanted, console: Console) -> Report:
 
 
 @contextmanager
-def cell_bus(place: cells.Place, services: Iterable[str], extra: dict[str, list[str]], console: Console) -> Iterator[Bus]:
+def cell_bus(place: cells.Place, services: Sequence[str], extra: dict[str, list[str]], console: Console) -> Iterator[Bus]:
     """The cell that runs, or one brought up that dies with this process. Raises CellError."""
+    away = place.elsewhere(services)
     with cells.operator_bus(place) as bus:
-        running = _found(bus)
+        running = _found(bus, _PARTIAL_S if away else _LINKS_S)
         if running and running != set(cells.LOOP):
             missing = sorted(set(cells.LOOP) - running)
             raise cells.CellError(
                 f"the cell has no {' and no '.join(missing)}: start it (`hydrohil {missing[0]}`), or `hydrohil down`"
             )
         started = {}
+        if not running and away:
+            raise cells.CellError(f"no cell answers, and its {', '.join(away)} run elsewhere: start each on its host first")
         if not running:
             started = cells.start(place, services, with_parent=True, extra=extra)
         try:
@@ -89,11 +92,11 @@ def cell_bus(place: cells.Place, services: Iterable[str], extra: dict[str, list[
             cells.stop(process.pid for process in started.values())
 
 
-def _found(bus: Bus) -> set[str]:
+def _found(bus: Bus, patience_s: float) -> set[str]:
     """Services of the loop that are there: links to a cell that runs come up one by one, those to one that ends go so."""
     running: set[str] = set()
     began = time.monotonic()
-    while running != set(cells.LOOP) and time.monotonic() - began < (_PARTIAL_S if running else _LINKS_S):
+    while running != set(cells.LOOP) and time.monotonic() - began < (_PARTIAL_S if running else patience_s):
         time.sleep(_POLL_S)
         running = bus.alive() & set(cells.LOOP)
     return running

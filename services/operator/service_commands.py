@@ -1,4 +1,4 @@
-"""`hydrohil plant`, `controller`, `supervisor`, `recorder`: one service each, in the foreground."""
+"""`hydrohil plant`, `controller`, `supervisor`, `recorder`, `router`: one process each, in the foreground."""
 
 import typer
 
@@ -37,3 +37,11 @@ def recorder(context: typer.Context) -> None:
     from services.recorder.service import main as run_recorder
 
     raise typer.Exit(run_recorder(context.args))
+
+
+@app.command(context_settings=_PASS_ON)
+def router(context: typer.Context) -> None:
+    """Run a router in the foreground: cells whose services do not reach each other meet there."""
+    from services.router.service import main as run_router
+
+    raise typer.Exit(run_router(context.args))

@@ -140,7 +140,7 @@ def _answering(bus: Bus, faults: Iterable[Fault]) -> dict[str, int]:
 def _signal(bus: Bus, fault: Fault, known: dict[str, int], number: int) -> None:
     pid = known[fault.target]
     if not is_service(pid, fault.target, bus.identity.cell):
-        raise CellError(f"process {pid} is no {fault.target} of cell {bus.identity.cell!r}: it is left alone")
+        raise CellError(f"process {pid} is no {fault.target} of cell {bus.identity.cell!r} on this host: it is left alone")
     os.kill(pid, number)
 
 

@@ -25,7 +25,7 @@ def main(arguments: list[str] | None = None) -> int:
     )
     line.add_argument("--gate-force-limit-n", type=float, default=420.0, help="raw force at which the gate cuts by itself (420)")
     given = line.parse_args(arguments)
-    options = options_of(given)
+    options = options_of(line, given)
     limits = GateLimits(force_limit_n=given.gate_force_limit_n)
     if given.permit_ttl_ms is not None:
         lease_ns = int(given.permit_ttl_ms * _NS_PER_MS)

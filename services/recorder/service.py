@@ -11,7 +11,7 @@ from typing import TYPE_CHECKING, Any
 
 from shared.bus import Bus, BusError
 from shared.inbox import Inbox
-from shared.process import EXIT_OK, EXIT_TRANSPORT, draw_number, parser
+from shared.process import EXIT_OK, EXIT_TRANSPORT, Options, await_router, draw_number, options_of, parser
 from shared.qualified import of_plain, standing
 from shared.realtime import die_with_parent
 from shared.requests import Request
@@ -32,10 +32,13 @@ def main(arguments: list[str] | None = None) -> int:
     line.add_argument("--trips", type=Path, help="where trip reports go (trips in that folder)")
     line.add_argument("--live", type=int, metavar="PORT", help="serve a live view on this port")
     given = line.parse_args(arguments)
-    if given.with_parent and not die_with_parent(given.with_parent):
+    options = options_of(line, given)
+    if options.with_parent and not die_with_parent(options.with_parent):
+        return EXIT_OK
+    if not await_router("recorder", options.network):
         return EXIT_OK
     try:
-        record(given.cell, given.port, given.folder, given.rrd, given.live, given.trips)
+        record(options, given.folder, given.rrd, given.live, given.trips)
     except (BusError, OSError, ValueError) as error:
         print(f"recorder: {error}", file=sys.stderr, flush=True)
         return EXIT_TRANSPORT
@@ -43,7 +46,7 @@ def main(arguments: list[str] | None = None) -> int:
 
 
 def record(
-    cell: str, port_base: int, folder: Path, rrd: Path | None = None, live_port: int | None = None, trips: Path | None = None
+    options: Options, folder: Path, rrd: Path | None = None, live_port: int | None = None, trips: Path | None = None
 ) -> None:
     """Record until SIGINT, SIGTERM or SIGHUP. With `rrd` from the start into that file, else between `record` and `finish`."""
     from services.recorder.live import Live  # here: rerun takes 0.4 s to import
@@ -52,10 +55,10 @@ def record(
     stop = _stop_on_signals()
     with ExitStack() as stack:
         live = stack.enter_context(Live(live_port)) if live_port is not None else None
-        recorder = Recorder(cell, live, trips if trips is not None else folder / "trips")
+        recorder = Recorder(options.cell, live, trips if trips is not None else folder / "trips")
         if rrd is not None:
             recorder.record(folder / rrd, rrd.stem, qualified=standing(fifo=True))  # by hand nobody tells how the cell runs
-        bus = stack.enter_context(Bus("recorder", cell, port_base, draw_number()))
+        bus = stack.enter_context(Bus("recorder", options.cell, options.port, draw_number(), options.network))
         inboxes = [bus.subscribe(topic.key, DEPTH) for topic in TOPICS]  # the plant's samples come first
         stack.callback(_finish, recorder, inboxes)
         while not stop.wait(STEP_S):

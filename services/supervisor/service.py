@@ -347,7 +347,8 @@ class Supervisor:
 
 def main(arguments: list[str] | None = None) -> int:
     """Run until a signal; returns the exit status."""
-    options = options_of(parser("supervisor", __doc__).parse_args(arguments))
+    line = parser("supervisor", __doc__)
+    options = options_of(line, line.parse_args(arguments))
 
     def run(bus: Bus, stopped: Callable[[], bool]) -> None:
         Supervisor(bus, lambda: standing(fifo=is_fifo())).run(stopped)
