@@ -9,6 +9,7 @@ from shared.codec import encode
 from shared.converters import N_PER_FORCE_COUNT
 from shared.messages import GateCause, GateState, Mode
 from shared.topics import expression
+from shared.units import SUBSTEP_NS
 
 MS = 1_000_000
 MOVING = (2100, 2000, 2048)
@@ -291,3 +292,18 @@ def test_a_cut_tells_what_was_made_of_the_frames_that_came():
     assert number == scene.timeline.number
     assert (commands.topic, commands.accepted, commands.crc) == ("controller/command", 1, 1)
     assert (permits.topic, permits.accepted, permits.crc) == ("supervisor/permit", 1, 0)
+
+
+def test_the_last_cut_is_dated_on_the_plants_grid_and_by_its_clock_and_a_new_trial_forgets_it():
+    scene = Scene()
+    scene.run(codes=MOVING)
+    scene.timeline.substep, scene.now_ns = 162, 9_000_000
+    scene.keeper.estop = True
+    scene.judge()
+    keeper = scene.keeper
+    assert (keeper.last_cut, keeper.last_cut_ns, keeper.last_cut_clock_ns) == (GateCause.ESTOP, 162 * SUBSTEP_NS, 9_000_000)
+    scene.timeline.substep, scene.now_ns = 163, 9_000_001
+    scene.judge()
+    assert (keeper.last_cut_ns, keeper.last_cut_clock_ns) == (162 * SUBSTEP_NS, 9_000_000)
+    keeper.begin_trial()
+    assert (keeper.last_cut, keeper.last_cut_ns, keeper.last_cut_clock_ns) == (GateCause.NONE, 0, 0)

@@ -37,6 +37,7 @@ class Gatekeeper:
         self.force_counts = 0
         self.late_substeps = self.command_age_ns = 0
         self.last_cut = int(GateCause.NONE)  # of this trial
+        self.last_cut_ns = self.last_cut_clock_ns = 0  # and when that was, on the plant's grid and by its clock
         self._bus, self._device, self._timeline, self._counters = bus, device, timeline, counters
         self._burned: set[int] = set()  # all of them: the gate's own memory holds the last 16
 
@@ -46,7 +47,7 @@ class Gatekeeper:
         self.gate = GateMemory(burned=self.gate.burned)
         self._device.write(self.gate.codes)
         self.late_substeps = 0
-        self.last_cut = int(GateCause.NONE)
+        self.last_cut, self.last_cut_ns, self.last_cut_clock_ns = int(GateCause.NONE), 0, 0
 
     def receive_permits(self, simulated_ns: int = FOREVER_NS) -> None:
         """Hold the newest permit."""
@@ -115,7 +116,8 @@ class Gatekeeper:
         self._burned.update(self.gate.burned)
         self._device.write(self.gate.codes)
         if before.arming != 0 and self.gate.arming == 0:
-            self.last_cut = self.gate.cause
+            self.last_cut, self.last_cut_clock_ns = self.gate.cause, now_ns
+            self.last_cut_ns = self._timeline.substep * SUBSTEP_NS
             self.tell_reception()
         if (before.state, before.cause) != (self.gate.state, self.gate.cause):
             self._tell(before, seen)

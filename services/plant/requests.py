@@ -143,6 +143,8 @@ def _status(plant: "Plant", request: Request) -> None:
             "gate_cause": GateCause(keeper.gate.cause).name,
             **_codes(plant),
             "last_cut": GateCause(keeper.last_cut).name,
+            "last_cut_ns": keeper.last_cut_ns,
+            "last_cut_clock_ns": keeper.last_cut_clock_ns,
             "burned_armings": len(keeper.burned),
             "estop": keeper.estop,
             "injected": plant.faults.acting(),
