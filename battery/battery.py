@@ -5,7 +5,7 @@ from functools import partial
 from random import Random
 from typing import NamedTuple
 
-from battery.proofs import NO_TESTS, ROOT, ProofsError, prove
+from battery.proofs import NO_TESTS, ROOT, Proof, ProofsError, prove, together
 from battery.rig import Rig
 from battery.tally import Result, Tried
 from battery.trial import Lived, Played, Proved, Row, Trial, Untried, Way
@@ -51,7 +51,11 @@ class Battery:
             for row, place, way in mine:  # those bring up cells of their own
                 if not way.whole:
                     self._live(row, place, way, rig)
-        self._prove([(row, place, way) for row, place, way in ways if isinstance(way, Proved)])
+        proofs = [(row, place, way) for row, place, way in ways if isinstance(way, Proved)]
+        left_out = [proof for proof in proofs if self.wish.quick and proof[2].letter == "W"]
+        for row, place, way in left_out:
+            self.tried[row.number, place] = Tried(way, (), QUICK)
+        self._prove([proof for proof in proofs if proof not in left_out])
 
     def results(self) -> tuple[Result, ...]:
         """Every row, complete or not."""
@@ -104,9 +108,13 @@ class Battery:
         try:
             found = prove(test for _, _, way in proofs for test in way.tests)
         except ProofsError as error:
-            found = {test: (Trial(False, str(error)),) for _, _, way in proofs for test in way.tests}
+            found = {test: Proof((Trial(False, str(error)),)) for _, _, way in proofs for test in way.tests}
         for row, place, way in proofs:
-            self._add(row, place, way, *(trial for test in way.tests for trial in found[test]))
+            proof = together(found[test] for test in way.tests)
+            if proof.trials:
+                self._add(row, place, way, *proof.trials)
+            else:
+                self.tried[row.number, place] = Tried(way, (), proof.skipped)
 
 
 def title(row: Row, way: Way) -> str:

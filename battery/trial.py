@@ -32,7 +32,7 @@ class Proved(NamedTuple):
 
     words: str
     tests: tuple[str, ...]
-    letter: str = "P"
+    letter: str = "P"  # or "W": those tests start real processes on the wall clock
 
 
 class Played(NamedTuple):
