@@ -1,10 +1,12 @@
 """Rows 1 to 7: processes that die, freeze or fall silent."""
 
 from functools import partial
+from signal import SIGKILL, SIGSTOP
 
 from battery.loads import recorder_struck
 from battery.processes import frozen, killed, plant_frozen, plant_killed
-from battery.trial import Lived, Proved, Row, Untried
+from battery.routed import mesh_runs_on, router_struck
+from battery.trial import Lived, Proved, Row
 
 LEASE_T = "lease + T"
 PROCESSES = (
@@ -87,9 +89,13 @@ PROCESSES = (
     ),
     Row(
         "7",
-        "Zenoh router killed",
+        "Zenoh router killed or frozen",
         "a routed cell becomes safe; a mesh runs on",
         "lease + T / 0",
-        (Untried("no cell uses a router: the bus makes a full mesh of peers, and nothing configures another"),),
+        (
+            Lived("SIGKILL of a routed cell's router, which returns", partial(router_struck, how=SIGKILL), whole=False),
+            Lived("SIGSTOP, SIGCONT", partial(router_struck, how=SIGSTOP), whole=False),
+            Lived("SIGKILL of a router beside a mesh", mesh_runs_on, most=1),  # nothing connects them: one trial shows it
+        ),
     ),
 )

@@ -10,9 +10,8 @@ PERIOD_NS, BLOW_NS = 4_500_000, 1_000_000_000
 
 def sample(index: int, codes=ZERO, gate=GateState.SHUT, late_ns: int = 0):
     time_ns = BLOW_NS + index * PERIOD_NS
-    return SimpleNamespace(
-        arrival_ns=time_ns + 300_000 + late_ns, body=SimpleNamespace(time_ns=time_ns, dac_counts=codes, gate=int(gate))
-    )
+    told = {"number": index, "tick": index, "time_ns": time_ns, "command_age_ns": 0, "dac_counts": codes, "gate": int(gate)}
+    return SimpleNamespace(arrival_ns=time_ns + 300_000 + late_ns, body=SimpleNamespace(**told))
 
 
 def heard(reaction: int, shift_ns: int = 0, late_ns: int = 0) -> Heard:
