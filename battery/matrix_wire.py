@@ -37,7 +37,18 @@ WIRE = (
         (
             *map(_partition, (*PATHS, *CUTS)),
             *map(_live, ("controller>plant", "supervisor>plant", "plant-controller")),
-            Untried("network namespaces: all peers of a cell are on 127.0.0.1"),
+            Proved(
+                "a link cut for real, its packets dropped by the kernel",
+                (
+                    "tests/test_live_namespaces.py::test_a_link_that_is_cut_for_real_leaves_the_valves_at_zero_and_nothing_resumes",
+                ),
+                letter="W",
+            ),
+            Proved(
+                "services on hosts of their own (network namespaces), a cable pulled",
+                ("tests/test_live_hosts.py::test_a_host_whose_cable_is_pulled_leaves_the_valves_at_zero_and_nothing_resumes",),
+                letter="W",
+            ),
         ),
     ),
     Row(
