@@ -120,11 +120,11 @@ def test_a_command_line_parses(line: list[str]) -> None:
     assert given.get("clock", "real") in ("real", "lockstep", "local")
 
 
-@pytest.mark.parametrize("service", SERVICES)
+@pytest.mark.parametrize("service", [*SERVICES, "router"])
 def test_a_service_knows_the_options_named(service: str) -> None:
     named = {word for line in LINES if line[0] == service for word in line[1:] if word.startswith("--")}
     known = re.findall(r"--[a-z-]+", CliRunner().invoke(app, [service, "--help"]).output)
-    assert {"--cell", "--port"} <= named <= {*known}
+    assert ({"--listen"} if service == "router" else {"--cell", "--port"}) <= named <= {*known}
 
 
 def test_every_make_target_named_exists() -> None:
