@@ -2,9 +2,10 @@
 
 from functools import partial
 
+from battery.retuned import pressed, pressed_live, refused_live
 from battery.simulations import broken, disobeyed
 from battery.strikes import beyond_joint, beyond_workspace, gated, lasting, pushed, steep, struck_live, working
-from battery.trial import Lived, Played, Proved, Row, Untried
+from battery.trial import Lived, Played, Proved, Row
 from shared.faults import Fault
 
 JUMP_S = 0.1
@@ -150,17 +151,21 @@ MACHINE = (
     Row(
         "26",
         "parameter out of bounds, or changed in contact",
-        "refused; nothing changes while armed",
-        "0",
+        "refused, nothing changes; what may change is ramped, no trip",
+        "0; command step within the tight limit",
         (
+            Lived("out of bounds, unknown, of another section, a limit: while pressing", refused_live, most=5),
+            Played("impedance or gains, while pressing", pressed, most=10),
+            Lived("the same with real processes", pressed_live, most=20),
             Proved(
-                "a load is refused while armed or running, a value out of bounds before anything starts",
+                "a load is refused while armed or running; of a change all or nothing acts, limits never",
                 (
+                    "tests/test_controller_changes.py::test_a_value_is_taken_on_its_bound_and_refused_just_past_it",
+                    "tests/test_controller_changes.py::test_what_is_no_law_no_gain_and_no_number_of_the_target_stays_and_says_why",
                     "tests/test_supervisor_service.py::test_neither_load_nor_commit_is_taken_while_armed_or_running",
                     "tests/test_supervisor_service.py::test_an_experiment_may_tighten_a_limit_and_not_widen_it",
                 ),
             ),
-            Untried("no parameter can be changed while a trial runs: there is nothing to ramp"),
         ),
     ),
 )

@@ -8,7 +8,8 @@ from battery.loads import requests
 from battery.operators import disagreeing, recovered, reset_refused, stopped_by, stopped_while_tripped
 from battery.orders import ORDERS, rejoined, started_in_order
 from battery.pairs import PAIRS, paired
-from battery.trial import Lived, Played, Proved, Row, Untried
+from battery.retuned import switched, switched_live
+from battery.trial import Lived, Played, Proved, Row
 
 
 def _ending(words: str, how: signal.Signals, everything: bool) -> Lived:
@@ -27,10 +28,12 @@ OPERATOR = (
                 (
                     "tests/test_controller_step.py::test_codes_rise_by_the_tight_limit_at_first_and_by_the_experiments_later",
                     "tests/test_controller_step.py::test_after_a_cut_law_and_target_model_start_from_nothing",
+                    "tests/test_controller_step.py::test_a_law_that_takes_over_holds_the_accepted_current_and_goes_on_from_it",
                     "tests/test_supervisor_modes.py::test_nothing_gains_permission_without_an_operators_act",
                 ),
             ),
-            Untried("no law can be switched while a trial runs: another law is another load, which is refused while armed"),
+            Played("every law in turn while the link swings", switched, most=10),
+            Lived("three laws in turn, with real processes", switched_live, most=20),
         ),
     ),
     Row(

@@ -11,10 +11,11 @@ from pydantic import ConfigDict, TypeAdapter, ValidationError
 from campaigns.axis import axis_problems, distribution
 from campaigns.borders import border_problems
 from campaigns.campaign import FIXED, Campaign, Plan, columns_of, file_of
-from experiments.errors import ExperimentError, from_validation, nearest, unreadable
+from experiments.errors import ExperimentError, from_validation, unreadable
 from experiments.experiment import Experiment, from_plain, from_toml, to_plain
 from experiments.library import find
 from experiments.overrides import assign
+from shared.assignments import nearest
 
 SHIPPED = Path(__file__).resolve().parent
 _ADAPTER: TypeAdapter[Campaign] = TypeAdapter(Campaign, config=ConfigDict(allow_inf_nan=False))

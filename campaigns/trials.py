@@ -16,8 +16,9 @@ from campaigns.formula import evaluate
 from experiments.claims import problems
 from experiments.errors import ExperimentError
 from experiments.experiment import Experiment, from_plain, to_plain
-from experiments.overrides import assign, assignment
+from experiments.overrides import assign
 from services.plant.noise import uniforms
+from shared.assignments import written
 from shared.faults import problem
 
 CORNERS = 256  # at most so many combinations of extreme values are validated before anything runs
@@ -84,7 +85,7 @@ def command(plan: Plan, trial: Trial) -> str:
     campaign = plan.campaign
     settings = ({} if campaign.claims else {"claims": []}) | campaign.set | assigned(campaign, trial.parameters)
     source = str(file_of(campaign, plan.path) or campaign.experiment)
-    given = [word for path, value in settings.items() for word in ("--set", assignment(path, value))]
+    given = [word for path, value in settings.items() for word in ("--set", written(path, value))]
     return shlex.join(["hydrohil", "run", source, "--clock", "local", "--seed", str(trial.seed), *given])
 
 

@@ -1,10 +1,11 @@
 """What is wrong with an experiment, in one clear line a problem: where, value, unit, what was expected, what to do."""
 
-import difflib
 import json
 from collections.abc import Iterable, Sequence
 from types import NoneType, UnionType
 from typing import Annotated, Any, NamedTuple, get_args, get_origin, get_type_hints
+
+from shared.assignments import nearest
 
 _UNIT_WORDS = {
     **dict.fromkeys(("m", "m2", "m3", "s", "s2", "kg", "rad", "rad2", "deg"), ""),
@@ -54,12 +55,6 @@ def unit_of(field: str) -> str:
 def dotted(location: Location) -> str:
     """`("controller", "gains", 1)` as `controller.gains.1`."""
     return ".".join(str(part) for part in location)
-
-
-def nearest(name: str, known: Iterable[str], otherwise: str = "") -> str:
-    """The names most like `name`; if none is, `otherwise`, or all of them."""
-    names = sorted(known)
-    return ", ".join(difflib.get_close_matches(name, names, 3, 0.5)) or otherwise or ", ".join(names)
 
 
 def names_at(schema: Any, location: Location) -> tuple[str, ...]:

@@ -14,12 +14,14 @@ from pydantic import ConfigDict, StringConstraints, TypeAdapter, ValidationError
 from experiments.claims import Claim, problems
 from experiments.errors import ExperimentError, from_validation, unreadable
 from services.controller.checks import check
-from services.controller.config import ControllerConfig, Reference
+from services.controller.config import Changes, ControllerConfig, Reference
+from services.controller.course import scheduled
 from services.controller.preflight import preflight
-from services.controller.surroundings import surroundings
+from services.controller.surroundings import Surroundings, surroundings
 from services.plant.config import PlantConfig, latch_substeps, trial_ticks
 from services.plant.params import contact_params
 from services.supervisor.config import SupervisorConfig
+from shared.assignments import plain_of
 from shared.faults import Fault, trial_problems
 from shared.units import SUBSTEP_NS
 
@@ -40,17 +42,12 @@ class Experiment(NamedTuple):
     supervisor: SupervisorConfig = SupervisorConfig()
     reference: Reference = ()
     faults: tuple[Fault, ...] = ()  # what breaks on purpose, and when
+    changes: Changes = ()  # of the controller's parameters while the trial runs
     claims: tuple[Claim, ...] = ()
 
 
+to_plain = plain_of
 _ADAPTER: TypeAdapter[Experiment] = TypeAdapter(Experiment, config=ConfigDict(allow_inf_nan=False))
-
-
-def to_plain(value: Any) -> Any:
-    """Named tuples as dicts and tuples as lists, all the way down: every default is spelled out."""
-    if isinstance(value, tuple) and hasattr(value, "_asdict"):
-        return {name: to_plain(field) for name, field in value._asdict().items()}
-    return [to_plain(item) for item in value] if isinstance(value, tuple | list) else value
 
 
 def from_plain(plain: Any, where: str) -> Experiment:
@@ -80,6 +77,11 @@ def checked(experiment: Experiment, where: str, written_faults: Sequence[Any] | 
     period_ns, ticks = plant.sample_period_substeps * SUBSTEP_NS, trial_ticks(plant, experiment.duration_s)
     broken = trial_problems(faults if written_faults is None else written_faults, faults, period_ns, ticks)
     found += [f"{where}: {what}; correct the fault" for what in broken]
+    found += [
+        f"{where}: changes.{number}.at_s is {change.at_s:g} s: the trial ends at {experiment.duration_s:g} s; correct the time"
+        for number, change in enumerate(experiment.changes)
+        if not change.at_s < experiment.duration_s
+    ]
     found += [f"{where}: {reason}" for reason in _section_problems(experiment)]
     if found:
         raise ExperimentError(found)
@@ -94,6 +96,7 @@ def _section_problems(experiment: Experiment) -> list[str]:
         lambda: latch_substeps(plant),
         lambda: contact_params(plant.environment),
         lambda: check(experiment.controller, experiment.reference, plant.initial_q_rad, plant.machine.q4_rad, met),
+        lambda: _check_changes(experiment, met),
     )
     for agrees in checks:
         try:
@@ -101,6 +104,13 @@ def _section_problems(experiment: Experiment) -> list[str]:
         except ValueError as reason:
             found.append(str(reason))
     return found
+
+
+def _check_changes(experiment: Experiment, met: Surroundings) -> None:
+    """Raise ValueError where a change may not be, or leads to a configuration that could not be loaded."""
+    plant = experiment.plant
+    for _, config in scheduled(experiment.controller, experiment.changes, plant.sample_period_substeps * SUBSTEP_NS):
+        check(config, experiment.reference, plant.initial_q_rad, plant.machine.q4_rad, met)
 
 
 def warnings(experiment: Experiment) -> tuple[str, ...]:

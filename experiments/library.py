@@ -3,9 +3,10 @@
 from functools import cache
 
 from experiments import appendix, beyond_impedance, beyond_position, beyond_stiffness, chapter4, chapter5, chapter6, chapter7
-from experiments.errors import ExperimentError, nearest
+from experiments.errors import ExperimentError
 from experiments.experiment import Experiment
 from experiments.pairs import PairClaim
+from shared.assignments import nearest
 
 _CHAPTERS = (chapter4, chapter5, chapter6, chapter7, appendix, beyond_position, beyond_impedance, beyond_stiffness)
 

@@ -6,11 +6,12 @@ from functools import cache
 from typing import NamedTuple
 
 from analysis.studies import STUDIES
-from experiments.errors import ExperimentError, nearest
+from experiments.errors import ExperimentError
 from experiments.experiment import Experiment
 from experiments.library import SECOND_FIGURES, catalogue, pairs
 from experiments.pairs import PairClaim
 from experiments.study import Study
+from shared.assignments import nearest
 
 CHAPTERS = {
     "4": "4. Position control",

@@ -18,7 +18,7 @@ from services.supervisor.modes import NOTHING, RUNNING
 from services.supervisor.observe import Links, watch_start
 from services.supervisor.step import Asked, SupervisorMemory, SupervisorParams, supervisor_step
 from shared.kernel import kernel
-from shared.messages import ControllerState, Permit, Sample, Truth
+from shared.messages import ControllerState, LinkCounts, Permit, Sample, Truth
 from shared.units import SUBSTEP_NS
 
 Reals = npt.NDArray[np.float64]
@@ -63,6 +63,21 @@ class Setup(NamedTuple):
     start: MachineState
     first_tick: int
     latch_substeps: int
+
+
+class Underway(NamedTuple):
+    """Everything that goes on from one sample to the next."""
+
+    row: int  # the next to be written
+    time_ns: int
+    trial_time_ns: int
+    machine: MachineState
+    control: ControlMemory
+    watch: SupervisorMemory
+    gate: GateMemory
+    ready: bool
+    held: Held
+    at_valves: LinkCounts
 
 
 _LINKS = ("q_rad", "q_set_rad", "qd_rad_per_s", "qd_set_rad_per_s", "x_m", "x_set_m", "x_nominal_m", "current_a")
@@ -161,19 +176,21 @@ def write_row(
         out.encoder_counts[i, k] = sample.encoder_counts[k]
 
 
-def play(
-    setup: Setup, memory: ControlMemory, table: Any, faults: Any, noise_n: Reals, intervals: Integers, out: Columns
-) -> tuple[SupervisorMemory, GateMemory, int]:
-    """Run every tick; returns the supervisor's and the gate's last state and the number of rows written."""
-    state, gate = setup.start, GateMemory(0, 1, (2048, 2048, 2048), -1, 0, 0, 0, 0, (0,) * 16, (0, 0, 0))
+def begin(setup: Setup, memory: ControlMemory, intervals: Integers) -> Underway:
+    """Before the first row: the cell is armed, its gate shut."""
+    gate = GateMemory(0, 1, (2048, 2048, 2048), -1, 0, 0, 0, 0, (0,) * 16, (0, 0, 0))
     watch = SupervisorMemory(RUNNING, _ARMING, 0, 0.0, 0.0, -1, 0, 0, 0, (0, 0, 0), watch_start(), False)
-    time_ns = 0
-    trial_time_ns = 0
-    for i in range(-setup.first_tick):
-        trial_time_ns -= intervals[i] * SUBSTEP_NS
-    ready = False
-    held, at_valves = Held(((0, 0, 0, 0, 0), 0), 0), gate.codes
-    for i in range(len(noise_n)):
+    trial_time_ns = -SUBSTEP_NS * int(sum(intervals[: -setup.first_tick]))
+    held = Held(((0, 0, 0, 0, 0), 0), 0)
+    return Underway(0, 0, trial_time_ns, setup.start, memory, watch, gate, False, held, gate.codes)
+
+
+def play(
+    setup: Setup, underway: Underway, table: Any, faults: Any, noise_n: Reals, intervals: Integers, out: Columns, end: int
+) -> Underway:
+    """Go on to row `end`, or to the row at which the supervisor leaves its mode."""
+    first, time_ns, trial_time_ns, state, memory, watch, gate, ready, held, at_valves = underway
+    for i in range(first, end):
         tick = setup.first_tick + i
         counts = faulty_sense(state, setup.machine, setup.contact, noise_n[i], faults, tick, held)
         held, machine = Held(counts, 1), faulty_machine(faults, tick, setup.machine)
@@ -191,5 +208,5 @@ def play(
         time_ns += intervals[i] * SUBSTEP_NS
         trial_time_ns += intervals[i] * SUBSTEP_NS
         if watch.mode != RUNNING:
-            return watch, gate, i + 1
-    return watch, gate, len(noise_n)
+            return Underway(i + 1, time_ns, trial_time_ns, state, memory, watch, gate, ready, held, at_valves)
+    return Underway(end, time_ns, trial_time_ns, state, memory, watch, gate, ready, held, at_valves)

@@ -1,13 +1,16 @@
 """A trial on the local clock: an experiment in, its rows and its trace out."""
 
+from collections.abc import Callable
 from typing import Any, NamedTuple
 
 import numpy as np
 
 from experiments.experiment import Experiment
 from experiments.trace import Trace
-from rollout.cell import Columns, Setup, columns, play
+from rollout.cell import Columns, Setup, Underway, begin, columns, play
+from services.controller.changes import handed_over
 from services.controller.config import controller_params, segment_table
+from services.controller.course import Course, at, follow, moves, scheduled
 from services.controller.step import control_start
 from services.plant.about import about
 from services.plant.config import GateLimits, PlantConfig, bias_ticks, latch_substeps, trial_ticks
@@ -16,6 +19,7 @@ from services.plant.gate import GateMemory
 from services.plant.machine import machine_start
 from services.plant.noise import force_noise_n, sample_intervals
 from services.plant.params import contact_params
+from services.supervisor.modes import RUNNING
 from services.supervisor.params import supervisor_params
 from services.supervisor.step import SupervisorMemory
 from shared.faults import problem
@@ -84,14 +88,36 @@ def play_local(experiment: Experiment, seed: int, limits: GateLimits | None = No
     out = columns(count)
     if "play" not in _compiled:
         _compiled["play"] = compiled(play)
-    watch, gate, rows = _compiled["play"](made, control_start(made.control), table, broken, noise_n, intervals, out)
+
+    def go_on(made: Setup, underway: Underway, end: int) -> Underway:
+        return Underway(*_compiled["play"](made, underway, table, broken, noise_n, intervals, out, end))
+
+    start = begin(made, control_start(made.control), intervals)
+    end = _play_course(experiment, made, start, count, go_on)
     return Outcome(
-        _rows(out, slice(rows)),
+        _rows(out, slice(end.row)),
         made.first_tick,
         made.latch_substeps * SUBSTEP_NS,
-        SupervisorMemory(*watch),
-        GateMemory(*gate),
+        SupervisorMemory(*end.watch),
+        GateMemory(*end.gate),
     )
+
+
+def _play_course(
+    experiment: Experiment, made: Setup, underway: Underway, count: int, go_on: Callable[[Setup, Underway, int], Underway]
+) -> Underway:
+    """From one change of the parameters to the next; without any, all at once."""
+    described, period_ns = about(experiment.plant, made.limits), experiment.plant.sample_period_substeps * SUBSTEP_NS
+    course = Course(experiment.controller, scheduled(experiment.controller, experiment.changes, period_ns))
+    while (row := underway.row) < count and underway.watch.mode == RUNNING:
+        course, change = follow(course, row, made.first_tick + row, period_ns)
+        if change is not None:
+            underway = underway._replace(control=handed_over(underway.control, change))
+        if moves(course, row):
+            made = made._replace(control=controller_params(at(course, row), described, made.first_tick))
+        ends = [count, *(tick - made.first_tick for tick, _ in course.waiting)]
+        underway = go_on(made, underway, row + 1 if moves(course, row + 1) else min(ends))
+    return underway
 
 
 def _rows(out: Columns, chosen: slice) -> Columns:

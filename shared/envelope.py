@@ -2,6 +2,7 @@
 
 import hashlib
 import json
+from functools import cache
 from typing import Any, NamedTuple
 
 from pydantic import ConfigDict, TypeAdapter, ValidationError
@@ -94,9 +95,14 @@ def one_fault(plain: Any) -> Fault:
 def checked(plain: Any, name: str, kind: Any) -> Any:
     """`plain` data as a `kind`; raises ValueError with one line that names the field."""
     try:
-        adapter = TypeAdapter(kind, config=ConfigDict(allow_inf_nan=False))
-        return adapter.validate_json(json.dumps(plain), strict=True)
+        return _adapter(kind).validate_json(json.dumps(plain), strict=True)
     except ValidationError as error:
         first = error.errors()[0]
         where = ".".join(str(part) for part in (name, *first["loc"]))
         raise ValueError(f"{where} is {first['input']!r}: {first['msg']}") from error
+
+
+@cache
+def _adapter(kind: Any) -> TypeAdapter[Any]:
+    """The validator of a kind; made once, because that takes longer than a sample lasts."""
+    return TypeAdapter(kind, config=ConfigDict(allow_inf_nan=False))

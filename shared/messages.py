@@ -265,6 +265,18 @@ class FaultEvent(NamedTuple):
     value: float
 
 
+class ParameterEvent(NamedTuple):
+    """One parameter of the controller that has changed while a trial ran."""
+
+    number: int  # first sample that is answered with it, or with the first of its ramp
+    tick: int
+    by_hand: int  # 1 = an operator asked for it, 0 = the experiment schedules it
+    path: str  # as in the experiment
+    old: str  # as TOML has it
+    new: str
+    ramp_samples: int  # in which it moves from old to new; 1 = at once
+
+
 class Ask(NamedTuple):
     """A request to one service."""
 

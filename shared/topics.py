@@ -31,6 +31,7 @@ TOPICS = (
     Topic("controller/passed", 13, messages.Passed, "controller", False, "", False),
     Topic("supervisor/passed", 14, messages.Passed, "supervisor", False, "", False),
     Topic("plant/fault", 15, messages.FaultEvent, "plant", False, "", False),
+    Topic("controller/changed", 16, messages.ParameterEvent, "controller", False, "", False),
 )
 ASK = Topic("operator/request", 8, messages.Ask, "operator", False, "", False)
 ANSWER = Topic("operator/answer", 9, messages.Answer, "", False, "", False)

@@ -18,6 +18,7 @@ from services.controller.laws import (
     position_error,
     relay_sign,
     stiction_rate,
+    take_over,
 )
 from services.controller.params import (
     A_PER_COUNT,
@@ -397,3 +398,47 @@ def test_the_later_laws_agree_in_every_bit_compiled_and_never_leave_the_domain()
             assert repr(law_step(AT_REST, G, law, *args)) == repr(fast(AT_REST, G, law, *args))
             plain_state, fast_state = law_step(plain_state, G, law, *args)[0], fast(fast_state, G, law, *args)[0]
             assert repr(plain_state) == repr(fast_state)
+
+
+EVERY_LAW = (*LAWS, LAW_ROBUST, LAW_TORQUE)
+OLD = LinkLawState(0.3, 0, 0.1, -1, 0.2)  # of whatever law there was before
+
+
+@pytest.mark.parametrize("law", EVERY_LAW)
+@pytest.mark.parametrize("held_a", [-0.2, -0.105, -0.1, -0.09, -0.05, -0.005, 0.0, 0.005, 0.05, 0.09, 0.1, 0.2])
+@pytest.mark.parametrize("error", [-0.02, 0.0, 0.003])
+def test_a_law_that_takes_over_gives_the_current_that_the_valve_has(law, held_a, error):
+    load_nm = 40.0
+    state = take_over(OLD, G, law, 0.1, 0.1 + error, 0.0, load_nm, held_a)
+    after, current_a, boosted = law_step(state, G, law, 0.1, 0.1 + error, 0.0, 0.0, 0.0)  # at rest no law resets or boosts
+    if law == LAW_HYSTERESIS and G.hysteresis_a < abs(held_a) < G.deadband_positive_a - G.hysteresis_a:
+        assert current_a == pytest.approx(math.copysign(G.deadband_positive_a, held_a))  # the relay leaps over it: its own level
+    else:
+        assert current_a + load_feedforward(G, law, load_nm) == pytest.approx(held_a, abs=1e-12)
+    assert after.integral_a == pytest.approx(state.integral_a) and boosted == 0
+
+
+def test_other_gains_keep_the_sum_of_proportional_and_integral_term():
+    stiffer = G._replace(kp_a_per_rad=2.0 * G.kp_a_per_rad)
+    e, before = 0.01, LinkLawState(0.03)
+    held_a = G.kp_a_per_rad * e + before.integral_a
+    after = take_over(before, stiffer, LAW_PI, 0.0, e, 0.0, 0.0, held_a)
+    assert after.integral_a == pytest.approx(before.integral_a + (G.kp_a_per_rad - stiffer.kp_a_per_rad) * e)
+
+
+def test_inside_the_dead_zone_the_integral_takes_all_of_the_current():
+    e = 0.99 * G.error_dead_zone_rad
+    assert take_over(OLD, G, LAW_FINAL, 0.0, e, 0.0, 0.0, 0.04).integral_a == 0.04
+
+
+def test_what_a_law_remembers_of_the_motion_is_handed_on():
+    after = take_over(OLD, G, LAW_FINAL, 0.0, 0.01, 0.15, 0.0, 0.04)
+    assert (after.boost_armed, after.qd_set_rad_per_s, after.peak_rad_per_s) == (OLD.boost_armed, 0.15, OLD.peak_rad_per_s)
+
+
+def test_compiled_and_plain_take_over_to_the_same_bits():
+    fast = compiled(take_over)
+    for law in EVERY_LAW:
+        for held_a in (-0.2, -0.03, 0.0, 0.05, 0.36):
+            arguments = (OLD, G, law, 0.1, 0.12, 0.05, 30.0, held_a)
+            assert tuple(fast(*arguments)) == tuple(take_over(*arguments))

@@ -15,7 +15,7 @@ from services.controller.config import (
     segment_table,
 )
 from services.controller.explicit import FILTERS_AT_REST
-from services.controller.step import STOPPED, control_start, control_step, slewed_code
+from services.controller.step import STOPPED, Handover, control_start, control_step, slewed_code
 from shared.converters import (
     MAX_CODE,
     UNIMATE_CONVERTERS,
@@ -412,3 +412,54 @@ def test_plain_and_compiled_agree_in_every_bit_for_all_laws_targets_filters_and_
             moving += dac != STOPPED
         assert repr(quick) == repr(memory)
     assert moving > 1000
+
+
+TIGHT = 100
+
+
+def _changed(memory, links, until=0):
+    return memory._replace(handover=Handover(links, until))
+
+
+@pytest.mark.parametrize("law", [law for law in LAWS if law != "pi"])
+def test_a_law_that_takes_over_holds_the_accepted_current_and_goes_on_from_it(law):
+    old, new = _params(law="pi", target="joint"), _params(law=law, target="joint")
+    memory, _ = _run(old, JOINT_STEP, [*_bias_phase(), *(_sample(t) for t in range(30))])
+    held = (2300, 1900, 2048)
+    memory, ((codes, thought),) = _run(new, JOINT_STEP, [_sample(30, dac=held)], _changed(memory, 7))
+    assert all(abs(code - before) <= 1 for code, before in zip(codes, held, strict=True))  # the converter truncates
+    assert thought.current_a == tuple(map(code_to_current, held)) and thought.boosted == (0, 0, 0)
+    assert memory.handover.links == 0
+    for state, gains, q, q_set, current_a in zip(
+        memory.laws, new.gains, thought.q_rad, thought.q_set_rad, thought.current_a, strict=True
+    ):
+        if law not in ("deadband", "hysteresis"):
+            assert state.integral_a == pytest.approx(current_a - gains.kp_a_per_rad * (q_set - q))
+
+
+def test_only_the_links_that_are_named_take_over_and_those_that_do_not_act_stay_without_current():
+    params = _params(law="final", target="joint", acting=(True, True, False))
+    segments = JOINT_STEP[:2]
+    memory, _ = _run(params, segments, [*_bias_phase(), *(_sample(t) for t in range(30))])
+    sample = _sample(30, dac=(2300, 1900, 2048))
+    _, ((_, alone),) = _run(params, segments, [sample], memory)
+    memory, ((_, thought),) = _run(params, segments, [sample], _changed(memory, 0b110))
+    assert thought.current_a == (alone.current_a[0], code_to_current(1900), 0.0)
+    assert memory.laws[2].integral_a == 0.0
+
+
+@pytest.mark.parametrize(("until", "step"), [(1031, TIGHT), (1030, 2456)])
+def test_the_tight_slew_limit_of_a_change_holds_up_to_its_last_sample_and_not_at_the_next(until, step):
+    params = _params(law="pi", target="joint")
+    memory, _ = _run(params, JOINT_STEP, [*_bias_phase(), *(_sample(t) for t in range(30))])
+    _, ((codes, _),) = _run(params, JOINT_STEP, [_sample(30, dac=(820, 820, 820))], _changed(memory, 0, until))
+    (free, _), *_ = _run(params, JOINT_STEP, [_sample(30, dac=(820, 820, 820))], memory)[1]
+    assert all(code > 820 + TIGHT for code in free)
+    assert codes == (free if step > TIGHT else (820 + TIGHT,) * 3)
+
+
+def test_a_trial_that_begins_knows_nothing_of_a_change_before():
+    params = _params(target="joint")
+    memory, _ = _run(params, (), [*_bias_phase(), _sample(0)])
+    memory, _ = _run(params, (), [_sample(FIRST, number=5000)], _changed(memory, 7, 10**6))
+    assert memory.handover == Handover(0, 0)

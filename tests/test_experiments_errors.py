@@ -1,6 +1,6 @@
 import pytest
 
-from experiments.errors import ExperimentError, dotted, names_at, nearest, unit_of
+from experiments.errors import ExperimentError, dotted, names_at, unit_of
 from experiments.experiment import Experiment
 
 
@@ -21,12 +21,6 @@ from experiments.experiment import Experiment
 )
 def test_the_unit_is_read_from_the_suffix(field, unit):
     assert unit_of(field) == unit
-
-
-def test_the_nearest_names_come_first_and_all_names_if_none_is_near():
-    assert nearest("stifness", ["stiffness", "mass"]) == "stiffness"
-    assert nearest("qqq", ["b", "a"]) == "a, b"
-    assert nearest("qqq", ["b", "a"], "those of the list") == "those of the list"
 
 
 def test_names_are_found_through_lists_and_tables():

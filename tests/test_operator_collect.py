@@ -8,7 +8,7 @@ from recorder_trial import trial
 
 from services.operator.collect import Collector, GapError
 from shared.codec import Received
-from shared.messages import NO_TRIAL, GateCause, GateEvent, GateState, Mode, TripCause
+from shared.messages import NO_TRIAL, GateCause, GateEvent, GateState, Mode, ParameterEvent, TripCause
 from shared.topics import BY_KEY
 
 TICKS = 40
@@ -141,3 +141,16 @@ def test_a_collector_that_is_closed_costs_no_later_trial_and_keeps_what_it_heard
     collector.close()
     assert network.fed == []
     assert len(collector.trace(RUN, TICKS).tick) == TICKS
+
+
+def test_what_was_changed_by_hand_in_this_run_is_told_and_neither_the_scheduled_nor_another_run_s():
+    head = MESSAGES[-1].header
+
+    def changed(number: int, by_hand: int, run: int) -> Received:
+        event = ParameterEvent(number, 3, by_hand, "controller.law", '"final"', '"pi"', 1)
+        return Received(0, "controller/changed", head._replace(run=run), event)
+
+    told = [changed(7, 1, RUN), changed(8, 0, RUN), changed(9, 1, RUN + 1)]
+    collector = Collector(Network([*MESSAGES, *told]))  # type: ignore[arg-type]
+    assert collector.changed(RUN) == ('changed by hand at sample 7: controller.law "final" -> "pi"',)
+    assert collected().changed(RUN) == ()

@@ -9,7 +9,8 @@ from rich.console import Console
 
 from experiments.claims import Verdict
 from experiments.library import find
-from services.operator.report import Report, markdown, show, write_json
+from services.controller.config import ScheduledChange
+from services.operator.report import BY_HAND, Report, markdown, show, write_json
 from shared.faults import Fault
 from shared.qualified import Qualified
 
@@ -100,3 +101,26 @@ def test_the_report_carries_how_the_host_is_qualified_or_that_it_is_not(tmp_path
     assert [one["qualification"] for one in told] == [found, None, None]
     assert "signed for 222.2 Hz, grade B (yesterday)" in told[0]["qualified"]
     assert "not qualified" in told[1]["qualified"] and told[2]["qualified"] is None
+
+
+def test_a_run_whose_parameters_were_changed_by_hand_has_no_verdict_whatever_its_claims_say(tmp_path: Path):
+    line = "changed by hand at sample 40: controller.law"
+    for verdicts in ((HOLDS,), (FAILS,), ()):
+        made = report(verdicts)._replace(changed=(line,))
+        assert made.exit_status == 5
+        assert f"NO VERDICT: {BY_HAND}" in shown(made) and line in shown(made)
+        assert BY_HAND in markdown(made) and line in markdown(made)
+    assert report((HOLDS,), tripped="too much")._replace(changed=(line,)).exit_status == 3
+    write_json(tmp_path / "r.json", report()._replace(changed=(line,)))
+    told = json.loads((tmp_path / "r.json").read_text())
+    assert (told["changed_by_hand"], told["exit_status"], told["claims"][0]["holds"]) == ([line], 5, True)
+    assert BY_HAND not in shown(report()) and "by hand" not in markdown(report())
+
+
+def test_scheduled_changes_are_said_and_leave_the_verdict(tmp_path: Path):
+    changes = (ScheduledChange(2.5, ("controller.law=pi",)),)
+    made = report()._replace(experiment=EXPERIMENT._replace(changes=changes))
+    assert made.exit_status == 0
+    assert "at 2.5 s: controller.law=pi" in shown(made) and "at 2.5 s: controller.law=pi" in markdown(made)
+    write_json(tmp_path / "r.json", made)
+    assert json.loads((tmp_path / "r.json").read_text())["changes"] == [{"at_s": 2.5, "set": ["controller.law=pi"]}]

@@ -1,8 +1,8 @@
 from recorder_trial import received, trial
 
-from services.recorder.events import gap_event, gate_event, is_told, permit_events, reception_event
+from services.recorder.events import gap_event, gate_event, is_told, parameter_event, permit_events, reception_event
 from services.recorder.gaps import Counted, Sequence
-from shared.messages import GateCause, GateEvent, GateState, InboxCounts, Permit
+from shared.messages import GateCause, GateEvent, GateState, InboxCounts, ParameterEvent, Permit
 
 
 def permits() -> list[Permit]:
@@ -63,3 +63,15 @@ def test_a_count_that_grows_is_told_and_the_first_telling_is_the_base():
     event = reception_event("supervisor", base, base._replace(lost=4, crc=2, link_faults=1))
     assert event == ("supervisor", "WARN", "supervisor of plant/sample: 3 lost, 1 link faults, 2 crc")
     assert reception_event("supervisor", base._replace(lost=9), base) is None  # it started anew
+
+
+def test_a_parameter_changed_by_hand_is_a_warning_and_a_scheduled_one_is_not():
+    event = ParameterEvent(40, 12, 1, "controller.law", '"final"', '"pi"', 1)
+    assert parameter_event(event) == (
+        "controller",
+        "WARN",
+        'changed by hand at sample 40: controller.law "final" -> "pi"',
+    )
+    scheduled = parameter_event(event._replace(by_hand=0, ramp_samples=111))
+    assert scheduled.level == "INFO"
+    assert scheduled.text == 'changed as scheduled at sample 40: controller.law "final" -> "pi" over 111 samples'

@@ -5,7 +5,10 @@ from recorder_trial import PERIOD_NS
 from trip_scene import GATE, SUPERVISOR, TRIP_NUMBER, TRIP_TICK, reception, tripping
 
 from services.recorder.trip_ring import AFTER_NS, KEPT_NS, PATIENCE_NS, TripRing
-from shared.messages import Mode
+from services.recorder.trip_words import lines, markdown
+from services.recorder.trips import document_of
+from shared.codec import Received
+from shared.messages import Mode, ParameterEvent
 
 AFTER = -(-AFTER_NS // PERIOD_NS)  # samples
 
@@ -123,3 +126,34 @@ def test_the_newest_counters_of_each_receiver_go_with_it():
     (caught,) = ring.caught(0)
     assert {sender: told.number for sender, told in caught.receptions.items()} == {"plant": 9}
     assert caught.about is not None
+
+
+def changed(by_hand, number):
+    event = ParameterEvent(number, number - 1030, by_hand, "controller.law", '"final"', '"pi"', 1)
+    return Received(0, "controller/changed", tripping(SUPERVISOR)[0].header, event)
+
+
+def test_what_was_changed_by_hand_in_the_trial_belongs_to_its_trip_however_long_before():
+    ring = TripRing()
+    early = changed(1, 1040)
+    ring.take(early)
+    for part in range(8):  # a minute
+        fed(shifted([m for m in tripping(SUPERVISOR, ticks=TRIP_TICK) if not disarmed(m)], 800 * part), ring)
+    ring.take(changed(0, 1050))
+    fed(shifted([m for m in tripping(SUPERVISOR) if not disarmed(m)], 6400), ring)
+    (caught,) = ring.caught(0)
+    assert caught.changes == (early.body,)
+    document = document_of(caught, "", "cell", "the recorder's", {})
+    assert document["changed"] == ['changed by hand at sample 1040: controller.law "final" -> "pi"']
+    assert document["changed"][0] in lines(document) and document["changed"][0] in markdown(document)
+
+
+def disarmed(message):
+    return message.topic == "supervisor/permit" and message.body.mode == Mode.DISARMED
+
+
+def test_what_was_changed_in_a_trial_before_is_forgotten():
+    ring = fed([changed(1, 1040)])
+    fed(tripping(SUPERVISOR), ring)  # its first permits are disarmed
+    (caught,) = ring.caught(0)
+    assert caught.changes == ()

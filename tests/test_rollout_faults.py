@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 from test_rollout_local import PLANT, plain_parts, press
 
-from rollout.cell import columns, play
+from rollout.cell import begin, columns, play
 from rollout.rollout import fault_table, play_local
 from services.controller.step import control_start
 from services.plant.noise import force_noise_n
@@ -180,7 +180,8 @@ def test_plain_python_breaks_as_the_compiled_trial_does_bit_for_bit(faults):
     made, count, table, noise_n, intervals = plain_parts(experiment, SEED)
     broken_rows = tuple(tuple(map(float, row)) for row in fault_table(experiment, SEED))
     out = columns(count)
-    _, _, rows = play(made, control_start(made.control), table, broken_rows, noise_n, intervals, out)
+    start = begin(made, control_start(made.control), intervals)
+    rows = play(made, start, table, broken_rows, noise_n, intervals, out, count).row
     compiled = play_local(experiment, SEED)
     assert rows == len(compiled.rows.tick) == count
     for name, plain, machine in zip(out._fields, out, compiled.rows, strict=True):

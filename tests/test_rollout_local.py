@@ -4,18 +4,16 @@ import numpy as np
 import pytest
 
 from experiments.experiment import Experiment
-from rollout.cell import columns, play
+from rollout.cell import begin, columns, play
 from rollout.rollout import SEGMENT_COLUMNS, play_local, rollout, setup
 from services.controller.config import ControllerConfig, ImpedanceConfig, Segment, segment_table
 from services.controller.step import control_start
 from services.plant.config import GateLimits, PlantConfig, bias_ticks
 from services.plant.device import Timeline
 from services.plant.emulator import Emulator
-from services.plant.gate import GateMemory
 from services.plant.noise import force_noise_n, sample_intervals
 from services.plant.params import UNIMATE, Environment
 from services.supervisor.config import SupervisorConfig
-from services.supervisor.step import SupervisorMemory
 from shared.converters import N_PER_FORCE_COUNT
 from shared.messages import GateCause, GateState, Mode, TripCause
 
@@ -125,13 +123,14 @@ def test_plain_python_plays_the_compiled_trial_bit_for_bit():
     experiment = press(0.4)
     made, count, table, noise_n, intervals = plain_parts(experiment, 3)
     out = columns(count)
-    watch, gate, rows = play(made, control_start(made.control), table, (), noise_n, intervals, out)
+    start = begin(made, control_start(made.control), intervals)
+    end = play(made, start, table, (), noise_n, intervals, out, count)
     compiled = play_local(experiment, 3)
-    assert rows == count == len(compiled.rows.tick)
+    assert end.row == count == len(compiled.rows.tick)
     for name, plain, machine in zip(out._fields, out, compiled.rows, strict=True):
         assert plain.tobytes() == machine.tobytes(), name
-    assert SupervisorMemory(*watch) == compiled.supervisor
-    assert GateMemory(*gate) == compiled.gate
+    assert end.watch == compiled.supervisor
+    assert end.gate == compiled.gate
     assert (out.dac_counts != 2048).any()
 
 

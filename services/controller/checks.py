@@ -4,6 +4,7 @@ Every rule states what must hold, so that NaN fails.
 """
 
 import math
+from collections.abc import Iterator
 from functools import lru_cache
 
 from services.controller.config import ControllerConfig, ImpedanceConfig, Reference, Segment, impedance_params, segment_table
@@ -20,6 +21,7 @@ READS = {  # channels of a target
 }
 JOINT_CHANNELS = CHANNELS[:3]
 CHECK_STEP_S = 0.01  # travel is checked at 100 Hz: references of a machine that follows 1 Hz
+CHECKED_AT_ONCE = 25  # points of a reference: a fraction of a millisecond, so that a loop that runs can check beside it
 LINKS = ("rotate", "down/up", "out/in")
 
 
@@ -30,6 +32,14 @@ def check(
 
     Where it is known what the tool meets, the force set-point must not take it out of the travel either.
     """
+    for _ in examine(config, reference, q0_rad, pitch_rad, met):
+        pass
+
+
+def examine(
+    config: ControllerConfig, reference: Reference, q0_rad: Triple, pitch_rad: float = 0.0, met: Surroundings | None = None
+) -> Iterator[None]:
+    """`check` in steps, each short enough to be taken between two samples; raises as `check` does."""
     impedance = config.impedance
     if impedance.setpoint_compensation and not impedance.environment_n_per_m > 0.0:
         raise ValueError("controller.impedance: setpoint_compensation needs environment_n_per_m > 0")
@@ -51,7 +61,7 @@ def check(
         raise ValueError(f"plant: the start pose {q0_rad} (rad, rad, m) is not finite; give numbers")
     check_travel(config.target, reference, q0_rad, pitch_rad)
     if met is not None and config.target == "impedance":
-        check_push(config.impedance, reference, q0_rad, pitch_rad, met)
+        yield from check_push(config.impedance, reference, q0_rad, pitch_rad, met)
 
 
 def check_measured(config: ControllerConfig) -> None:
@@ -125,12 +135,14 @@ def check_travel(target: str, reference: Reference, q0_rad: Triple, pitch_rad: f
             raise ValueError(f"reference leaves the travel of {clamped_links(clamped)} at {time_s:.2f} s")
 
 
-def check_push(impedance: ImpedanceConfig, reference: Reference, q0_rad: Triple, pitch_rad: float, met: Surroundings) -> None:
-    """Raise ValueError where the force set-point, held, would take the tool out of the travel of a link."""
+def check_push(
+    impedance: ImpedanceConfig, reference: Reference, q0_rad: Triple, pitch_rad: float, met: Surroundings
+) -> Iterator[None]:
+    """Raise ValueError where the force set-point, held, would take the tool out of the travel of a link; in steps."""
     table, k = segment_table(reference), impedance.stiffness_n_per_m
     x0_m, axis = forward(UNIMATE_GEOMETRY, q0_rad, pitch_rad), met.force_axis
     gain = impedance_params(impedance, axis, met.force_sign).force_gain
-    for time_s in check_times(reference):
+    for number, time_s in enumerate(check_times(reference), 1):
         deltas = reference_deltas(table, time_s)
         x_m = [x0_m[i] + deltas[3 + i] for i in range(3)]
         x_m[axis] = resting_m(met, x0_m[axis], x_m[axis], gain * deltas[6], k)
@@ -140,14 +152,17 @@ def check_push(impedance: ImpedanceConfig, reference: Reference, q0_rad: Triple,
                 f"force set-point {gain * deltas[6]:.4g} N on {k:g} N/m takes the tool beyond the travel of "
                 f"{clamped_links(clamped)} at {time_s:.2f} s; lower it or stiffen the target"
             )
+        if number % CHECKED_AT_ONCE == 0:
+            yield
 
 
-def check_times(reference: Reference) -> list[float]:
+@lru_cache(maxsize=64)
+def check_times(reference: Reference) -> tuple[float, ...]:
     """Times after tick 0 at which travel is checked: a grid through every moving segment, and every start and end."""
     ends = {0.0} | {s.start_s for s in reference} | {s.start_s + s.duration_s for s in reference}
     moving = [s for s in reference if s.kind != "step"]
     grid = {s.start_s + i * CHECK_STEP_S for s in moving for i in range(int(s.duration_s / CHECK_STEP_S) + 1)}
-    return sorted(ends | grid)
+    return tuple(sorted(ends | grid))
 
 
 def clamped_links(mask: int) -> str:

@@ -6,7 +6,7 @@ Bounds that one field can state stand beside it; `checks.py` has what only sever
 import math
 from typing import Annotated, Literal, NamedTuple
 
-from annotated_types import Ge, Gt, Le
+from annotated_types import Ge, Gt, Le, MinLen
 
 from services.controller.params import (
     ADAPT_LIMIT_SWITCH,
@@ -80,6 +80,16 @@ class Segment(NamedTuple):
 
 
 Reference = tuple[Segment, ...]
+
+
+class ScheduledChange(NamedTuple):
+    """Parameters that change while the trial runs, in its section [[changes]]."""
+
+    at_s: Annotated[float, Ge(0), Le(LONGEST_S)]  # after tick 0; the first sample at or after it
+    set: Annotated[tuple[str, ...], MinLen(1)]  # `path=value` of [controller], as `hydrohil set` takes them
+
+
+Changes = tuple[ScheduledChange, ...]
 
 
 class ImpedanceConfig(NamedTuple):

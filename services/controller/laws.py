@@ -161,6 +161,44 @@ def compensation(gains: LinkGains, law: int, relay: int, current_a: float) -> tu
 
 
 @kernel
+def relayed(gains: LinkGains, current_a: float) -> tuple[float, int]:
+    """(current before a relay's compensation, the relay's sign) that give `current_a`; where it leaps, its own level."""
+    h = gains.hysteresis_a
+    if abs(current_a) <= h:
+        return current_a, 0
+    sign = 1 if current_a > 0.0 else -1
+    rest_a = current_a - (gains.deadband_positive_a if sign == 1 else -gains.deadband_negative_a)
+    return (rest_a if rest_a * sign > -h else 0.0), sign
+
+
+@kernel
+def uncompensated(gains: LinkGains, law: int, relay: int, current_a: float) -> tuple[float, int]:
+    """(current before `compensation`, the relay's sign) that give `current_a` with it."""
+    if law == LAW_HYSTERESIS:
+        return relayed(gains, current_a)
+    if law != LAW_DEADBAND:
+        return current_a, relay
+    added_a = gains.deadband_positive_a if current_a > 0.0 else -gains.deadband_negative_a
+    if abs(current_a) > gains.deadband_width_a + abs(added_a):
+        return current_a - added_a, relay
+    return current_a / (1.0 + abs(added_a) / gains.deadband_width_a), relay
+
+
+@kernel
+def take_over(
+    state: LinkLawState, gains: LinkGains, law: int, q: float, q_set: float, qd_set: float, load_nm: float, held_a: float
+) -> LinkLawState:
+    """A law that begins, or has other gains, where the valve stands at `held_a`: I so that  K_P e + I  gives just that.
+
+    Bumpless transfer: the state of the new controller is set so that its output is what the actuator really has (Hanus,
+    Kinnaert, Henrotte 1987, conditioning); for other gains it keeps P + I (Astrom, Hagglund 1995, bumpless parameter changes).
+    """
+    current_a, relay = uncompensated(gains, law, state.relay, held_a - load_feedforward(gains, law, load_nm))
+    integral_a = current_a - gains.kp_a_per_rad * position_error(gains, q, q_set, qd_set)
+    return LinkLawState(integral_a, state.boost_armed, qd_set, relay, peak_speed(state, qd_set))
+
+
+@kernel
 def law_step(
     state: LinkLawState, gains: LinkGains, law: int, q: float, q_set: float, qd: float, qd_set: float, dt_s: float
 ) -> tuple[LinkLawState, float, int]:

@@ -6,21 +6,25 @@ import time
 from collections.abc import Callable
 from typing import Any
 
+from services.controller.changes import Change, handed_over
 from services.controller.checks import check
-from services.controller.config import ControllerConfig, Reference, controller_params, segment_table
+from services.controller.config import Changes, ControllerConfig, Reference, controller_params, segment_table
+from services.controller.course import Course, scheduled
+from services.controller.parameters import Loaded, Parameters
 from services.controller.preflight import preflight
 from services.controller.step import control_start, control_step
 from services.controller.surroundings import surroundings
 from shared.bus import Bus, Run
 from shared.codec import Received
 from shared.detour import Passage
-from shared.envelope import Envelope, section, unseal
+from shared.envelope import Envelope, checked, section, unseal
 from shared.live_faults import LiveFaults
-from shared.messages import About, Command, GateState, Passed
+from shared.messages import NO_TRIAL, About, Command, GateState, Passed, Sample
 from shared.process import options_of, parser, serve
 from shared.realtime import follow
 from shared.reception import due, reception, told
 from shared.requests import Request
+from shared.units import SUBSTEP_NS
 
 IDLE = ControllerConfig(target="joint")
 _WAKE_S = 0.1
@@ -37,8 +41,9 @@ class Controller:
         self.about: About | None = None
         self.config, self.first_tick = IDLE, _NO_FIRST_TICK
         self.reference: Reference = ()
-        self.pending: tuple[Envelope, ControllerConfig, Reference] | None = None
-        self.answered = 0
+        self.parameters = Parameters()
+        self.pending: tuple[Envelope, ControllerConfig, Loaded] | None = None
+        self.answered, self.tick = 0, NO_TRIAL
         self.burned = False  # the gate, at the last sample
 
     def run(self, stopped: Callable[[], bool]) -> None:
@@ -53,6 +58,7 @@ class Controller:
                 self._tell(passage)
             for request in self.bus.requests():
                 self._serve(request)
+            self.parameters.examine()
 
     def _learn(self, about: About) -> None:
         if about != self.about:
@@ -73,6 +79,7 @@ class Controller:
         self.faults.spend()
         began_ns = time.perf_counter_ns()
         sample, header = message.body, message.header
+        change = self._follow(sample, self.about) if self.parameters.busy else None
         self.memory, codes, thought = control_step(self.memory, self.params, self.table, sample)
         echo = (sample.number, sample.time_ns)
         self.bus.run = self.bus.run._replace(arming=header.arming)
@@ -80,10 +87,23 @@ class Controller:
         thought = thought._replace(compute_ns=time.perf_counter_ns() - began_ns)
         self.bus.publish("controller/state", thought, echo)
         self.answered += 1
+        self.tick = sample.tick
+        if change is not None:
+            for event in self.parameters.tell(change, sample.tick):
+                self.bus.publish("controller/changed", event, echo)
         burned = sample.gate == GateState.BURNED
         if due(sample.number, self.about.sample_period_ns) or (burned and not self.burned):
             self.bus.publish("controller/reception", reception(sample.number, (self.samples, self.abouts)), echo)
         self.burned = burned
+
+    def _follow(self, sample: Sample, about: About) -> Change | None:
+        """Let parameters act that change at this sample."""
+        change, config = self.parameters.follow(sample.number, sample.tick, about.sample_period_ns)
+        if change is not None:
+            self.memory = handed_over(self.memory, change)
+        if config is not None:
+            self.params = controller_params(config, about, self.first_tick)
+        return change
 
     def _tell(self, passage: Passage) -> None:
         """Lockstep: the plant need not wait for the answer to a sample that a fault took."""
@@ -97,6 +117,8 @@ class Controller:
             self._commit(request)
         elif request.verb == "status":
             request.reply(self.status())
+        elif request.verb == "parameters":
+            self.parameters.ask(request, self.tick)
         elif request.verb in ("inject", "clear"):
             self.faults.answer(request, self.samples.number)
         else:
@@ -110,23 +132,28 @@ class Controller:
             config = section(envelope, "controller", ControllerConfig)
             reference = section(envelope, "reference", Reference)
             plant = envelope.experiment["plant"]
-            met = surroundings(plant)
-            check(config, reference, tuple(plant["initial_q_rad"]), plant["machine"]["q4_rad"], met)
+            met, q0_rad, pitch_rad = surroundings(plant), tuple(plant["initial_q_rad"]), plant["machine"]["q4_rad"]
+            changes = checked(envelope.experiment.get("changes", []), "changes", Changes)
+            waiting = scheduled(config, changes, plant["sample_period_substeps"] * SUBSTEP_NS) if changes else ()
+            for one in (config, *(after for _, after in waiting)):
+                check(one, reference, q0_rad, pitch_rad, met)
             self.faults.loaded(envelope)
         except (ValueError, LookupError, TypeError, ArithmeticError) as error:  # [plant] is read as it came
             return request.refuse(str(error))
-        self.pending = (envelope, config, reference)
+        loaded = Loaded(Course(config, waiting), reference, q0_rad, pitch_rad, met, envelope.clock == "lockstep")
+        self.pending = (envelope, config, loaded)
         return request.reply({"digest": envelope.digest.hex(), "warnings": list(preflight(config, met))})
 
     def _commit(self, request: Request) -> None:
         if self.pending is None or self.pending[0].digest.hex() != request.arguments.get("digest"):
             return request.refuse("nothing with this hash was loaded: load it first")
-        envelope, config, reference = self.pending
+        envelope, config, loaded = self.pending
         try:
             conditions = self.faults.loaded(envelope)  # once more: faults may have been injected since the load
         except ValueError as error:
             return request.refuse(str(error))
-        self.config, self.reference = config, reference
+        self.config, self.reference = config, loaded.reference
+        self.parameters.load(loaded)
         self.first_tick = -envelope.bias_ticks
         self._prepare()
         self.bus.run = Run(envelope.run, envelope.digest, 0)
@@ -142,8 +169,9 @@ class Controller:
             "pid": os.getpid(),
             "injected": self.faults.acting(),
             "ready": self.about is not None and self.answered > 0,
-            "law": self.config.law,
+            "law": self.parameters.course.target.law,
             "target": self.config.target,
+            "changed": self.parameters.changed(),
             "answered": self.answered,
             "experiment": self.bus.run.experiment.hex(),
             "run": self.bus.run.run,

@@ -12,13 +12,13 @@ from services.controller.explicit import FILTERS_AT_REST, ExplicitState
 from services.controller.filtering import Filtered, filter_step
 from services.controller.impedance import ImpedanceState, mean_of_three, rest
 from services.controller.kinematics import joint_loads
-from services.controller.laws import AT_REST, LinkLawState, law_step, load_feedforward
+from services.controller.laws import AT_REST, LinkLawState, law_step, load_feedforward, take_over
 from services.controller.params import ControllerParams, LinkGains
 from services.controller.reference import Table, reference_deltas
 from services.controller.regression import Window, filled_window, push, velocities
 from services.controller.setpoint import Demand, Seen, demand, judge_ready, nominal_joints
 from services.controller.trial import Trial, advance, follows, runs
-from shared.converters import ZERO_CODE, current_to_code
+from shared.converters import ZERO_CODE, code_to_current, current_to_code
 from shared.kernel import kernel
 from shared.messages import NO_TRIAL, ControllerState, GateState, Sample
 from shared.pose import Triple, forward, joint_positions
@@ -31,6 +31,16 @@ Codes = tuple[int, int, int]
 Laws = tuple[LinkLawState, LinkLawState, LinkLawState]
 STOPPED = (ZERO_CODE, ZERO_CODE, ZERO_CODE)
 LAWS_AT_REST = (AT_REST, AT_REST, AT_REST)
+
+
+class Handover(NamedTuple):
+    """What a change of parameters leaves to the samples that follow it."""
+
+    links: int = 0  # bit mask of those whose law or gains are others from the next sample on
+    tight_until: int = 0  # number of the first sample at which its tight slew limit holds no more
+
+
+NOTHING_CHANGED = Handover()
 
 
 class ControlMemory(NamedTuple):
@@ -47,6 +57,7 @@ class ControlMemory(NamedTuple):
     qd_rad_per_s: Triple  # at the last sample
     laws: Laws
     ready: int  # judged while tracking, kept while the law runs
+    handover: Handover
 
 
 class Force(NamedTuple):
@@ -72,7 +83,9 @@ def control_start(params: ControllerParams) -> ControlMemory:
     trial = Trial(-1, NO_TRIAL, 0, False, False, 0, origin, origin, 0, 0)
     window = filled_window(0, origin, params.sample_period_ns)
     start, still, nothing = rest(origin, origin), Filtered(0.0, 0.0), Withheld(0.0, origin)
-    return ControlMemory(trial, window, (0, 0), still, (0.0, 0.0), start, FILTERS_AT_REST, nothing, origin, LAWS_AT_REST, 0)
+    return ControlMemory(
+        trial, window, (0, 0), still, (0.0, 0.0), start, FILTERS_AT_REST, nothing, origin, LAWS_AT_REST, 0, NOTHING_CHANGED
+    )
 
 
 @kernel
@@ -86,7 +99,9 @@ def begin(memory: ControlMemory, params: ControllerParams, sample: Sample, q: Tr
     counts = (sample.force_counts, sample.force_counts)
     filtered, still = Filtered(params.calibration.force_n_per_count * sample.force_counts, 0.0), (0.0, 0.0, 0.0)
     start, nothing = rest(x, x), Withheld(0.0, x)
-    return ControlMemory(trial, window, counts, filtered, (0.0, 0.0), start, FILTERS_AT_REST, nothing, still, LAWS_AT_REST, 0)
+    return ControlMemory(
+        trial, window, counts, filtered, (0.0, 0.0), start, FILTERS_AT_REST, nothing, still, LAWS_AT_REST, 0, NOTHING_CHANGED
+    )
 
 
 @kernel
@@ -116,10 +131,10 @@ def slewed_code(current_a: float, accepted: int, limit: int) -> int:
 
 
 @kernel
-def shaped_codes(params: ControllerParams, current_a: Triple, sample: Sample) -> Codes:
-    """Codes inside the slew limit in force: the tight one for the first samples after the gate opened."""
-    limit = params.slew_codes
-    if sample.gate_open_samples < params.tight_samples and params.tight_slew_codes < limit:
+def shaped_codes(params: ControllerParams, current_a: Triple, sample: Sample, tight_until: int) -> Codes:
+    """Codes inside the slew limit in force: the tight one until `tight_until` and for the first samples after the gate opened."""
+    limit, opened = params.slew_codes, sample.gate_open_samples
+    if (opened < params.tight_samples or sample.number < tight_until) and params.tight_slew_codes < limit:
         limit = params.tight_slew_codes
     accepted = sample.dac_counts
     return (
@@ -132,6 +147,8 @@ def shaped_codes(params: ControllerParams, current_a: Triple, sample: Sample) ->
 @kernel
 def link_step(
     acting: int,
+    takes_over: int,
+    held_code: int,
     state: LinkLawState,
     gains: LinkGains,
     law: int,
@@ -142,9 +159,15 @@ def link_step(
     load_nm: float,
     dt_s: float,
 ) -> tuple[LinkLawState, float, int]:
-    """Answer of one link's law; of a link that does not act: no current, nothing integrated."""
+    """Answer of one link's law; of a link that does not act: no current, nothing integrated.
+
+    A law that takes over keeps the current of the code that the D/A holds for this one sample.
+    """
     if acting == 0:
         return AT_REST, 0.0, 0
+    if takes_over != 0:
+        held_a = code_to_current(held_code)
+        return take_over(state, gains, law, q, q_set, qd_set, load_nm, held_a), held_a, 0
     state, current_a, boosted = law_step(state, gains, law, q, q_set, qd, qd_set, dt_s)
     return state, current_a + load_feedforward(gains, law, load_nm), boosted
 
@@ -153,6 +176,7 @@ def link_step(
 def apply_laws(
     params: ControllerParams,
     laws: Laws,
+    handover: Handover,
     sample: Sample,
     q: Triple,
     q_set: Triple,
@@ -162,12 +186,18 @@ def apply_laws(
     dt_s: float,
 ) -> Actuation:
     """Answer of the three links' position laws."""
-    gains, law, on = params.gains, params.law, params.acting
-    law_1, u_1, boosted_1 = link_step(on[0], laws[0], gains[0], law, q[0], q_set[0], qd[0], qd_set[0], load_nm[0], dt_s)
-    law_2, u_2, boosted_2 = link_step(on[1], laws[1], gains[1], law, q[1], q_set[1], qd[1], qd_set[1], load_nm[1], dt_s)
-    law_3, u_3, boosted_3 = link_step(on[2], laws[2], gains[2], law, q[2], q_set[2], qd[2], qd_set[2], load_nm[2], dt_s)
-    current_a = (u_1, u_2, u_3)
-    return Actuation((law_1, law_2, law_3), current_a, (boosted_1, boosted_2, boosted_3), shaped_codes(params, current_a, sample))
+    gains, law, on, new, held = params.gains, params.law, params.acting, handover.links, sample.dac_counts
+    law_1, u_1, boosted_1 = link_step(
+        on[0], new & 1, held[0], laws[0], gains[0], law, q[0], q_set[0], qd[0], qd_set[0], load_nm[0], dt_s
+    )
+    law_2, u_2, boosted_2 = link_step(
+        on[1], new & 2, held[1], laws[1], gains[1], law, q[1], q_set[1], qd[1], qd_set[1], load_nm[1], dt_s
+    )
+    law_3, u_3, boosted_3 = link_step(
+        on[2], new & 4, held[2], laws[2], gains[2], law, q[2], q_set[2], qd[2], qd_set[2], load_nm[2], dt_s
+    )
+    current_a, boosted = (u_1, u_2, u_3), (boosted_1, boosted_2, boosted_3)
+    return Actuation((law_1, law_2, law_3), current_a, boosted, shaped_codes(params, current_a, sample, handover.tight_until))
 
 
 @kernel
@@ -177,7 +207,7 @@ def unload(params: ControllerParams, sample: Sample) -> Actuation:
         return Actuation(LAWS_AT_REST, (0.0, 0.0, 0.0), (0, 0, 0), STOPPED)
     u, signs = params.recover_current_a, sample.recover_signs
     current_a = (u[0] * signs[0], u[1] * signs[1], u[2] * signs[2])
-    return Actuation(LAWS_AT_REST, current_a, (0, 0, 0), shaped_codes(params, current_a, sample))
+    return Actuation(LAWS_AT_REST, current_a, (0, 0, 0), shaped_codes(params, current_a, sample, NOTHING_CHANGED.tight_until))
 
 
 @kernel
@@ -210,7 +240,7 @@ def control_step(
         load_nm = joint_loads(
             params.geometry, q, pitch_rad, params.impedance.force_axis, params.impedance.force_sign * force.mean_n
         )
-        made = apply_laws(params, memory.laws, sample, q, wanted.q_rad, qd, qd_set, load_nm, dt_s)
+        made = apply_laws(params, memory.laws, memory.handover, sample, q, wanted.q_rad, qd, qd_set, load_nm, dt_s)
     else:
         made = unload(params, sample)
     thought = ControllerState(
@@ -237,7 +267,8 @@ def control_step(
     force_counts = (sample.force_counts, memory.force_counts[0])
     force_sets_n = (deltas[6], memory.force_set_n[0])
     impedance, explicit, withheld = wanted.impedance, wanted.explicit, wanted.withheld
+    handover = Handover(0, memory.handover.tight_until)
     memory = ControlMemory(
-        trial, window, force_counts, filtered, force_sets_n, impedance, explicit, withheld, qd, made.laws, ready
+        trial, window, force_counts, filtered, force_sets_n, impedance, explicit, withheld, qd, made.laws, ready, handover
     )
     return memory, made.codes, thought

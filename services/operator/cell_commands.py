@@ -234,7 +234,8 @@ def _words(service: str, found: dict[str, Any] | None) -> str:
         held = f"\n[red]the gate has let other codes through, but {drives(driven)}[/]" if driven != found["dac_counts"] else ""
         return f"sample {found['number']}, gate {gate}, lease {found['lease_ms']} ms{held}"
     if service == "controller":
-        return f"law {found['law']}, {found['answered']} samples answered"
+        changed = [f"[yellow]changed: {line}[/]" for line in found.get("changed", ())]
+        return "\n".join([f"law {found['law']}, {found['answered']} samples answered", *changed])
     recording = str(found.get("recording", {}).get("path") or "no recording open")
     trip = found.get("trip") or {}
     where = trip.get("path") or (f"[yellow]no file: {trip.get('failure')}[/]" if trip.get("failure") else "being written")

@@ -11,6 +11,7 @@ from services.operator import (
     qualify_command,
     reproduce_command,
     service_commands,
+    set_command,
     trip_command,
     tune_command,
 )
@@ -29,6 +30,7 @@ __all__ = [
     "qualify_command",
     "reproduce_command",
     "service_commands",
+    "set_command",
     "trip_command",
     "tune_command",
 ]

@@ -6,6 +6,7 @@ from typing import Any
 import numpy as np
 
 from experiments.trace import Trace
+from services.recorder.events import change_words
 from services.recorder.trip_report import Document
 from services.recorder.trip_ring import TripRing
 from services.recorder.trips import document_of, utc_now
@@ -30,6 +31,7 @@ _FROM_STATE = (
     "current_a",
 )
 _JOINED = ("plant/sample", "controller/command", "controller/state", "supervisor/permit", "plant/gate")
+CHANGED = "controller/changed"
 DEPTH = 1 << 20  # frames; an hour at 222 Hz
 
 
@@ -83,6 +85,13 @@ class Collector:
         permit = newest.body
         told = trip_words(TripCause(permit.cause), permit.measured, permit.limit, permit.trip_number)
         return (permit.cause == TripCause.GATE_CUT and self._cut(run)) or told
+
+    def changed(self, run: int) -> tuple[str, ...]:
+        """Parameters that were changed by hand in this run, in words."""
+        told = (
+            m.body for inbox in self._others if inbox.topic.key == CHANGED for m in self._messages(inbox) if m.header.run == run
+        )
+        return tuple(change_words(event) for event in told if event.by_hand)
 
     def report(self, cell: str) -> Document | None:
         """The trip that was heard of, with everything around it; None if there was none."""

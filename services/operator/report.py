@@ -17,6 +17,8 @@ from shared.kernel import source_version
 from shared.process import EXIT_CLAIM, EXIT_OK, EXIT_TRANSPORT, EXIT_TRIPPED
 from shared.qualified import of_plain
 
+BY_HAND = "parameters were changed by hand, so that this was not the experiment that the claims are about"
+
 
 class Report(NamedTuple):
     """One run, judged."""
@@ -32,16 +34,17 @@ class Report(NamedTuple):
     recording: str
     warnings: tuple[str, ...] = ()  # told before the run
     struck: tuple[str, ...] = ()  # faults of processes that were carried out
+    changed: tuple[str, ...] = ()  # parameters that were changed by hand: no verdict
     trip: Document | None = None
     trip_file: str = ""
     qualification: dict[str, Any] | None = None  # of the host of a live run
 
     @property
     def exit_status(self) -> int:
-        """3 tripped, 5 a gap, 1 a claim fails, 0 all hold."""
+        """3 tripped, 5 no verdict (a gap, changed by hand), 1 a claim fails, 0 all hold."""
         if self.tripped:
             return EXIT_TRIPPED
-        if self.gap:
+        if self.gap or self.changed:
             return EXIT_TRANSPORT
         return EXIT_OK if all(verdict.holds for verdict in self.verdicts) else EXIT_CLAIM
 
@@ -59,12 +62,18 @@ def show(console: Console, report: Report) -> None:
         console.print(f"[yellow]broken on purpose[/]: {words(fault)}", highlight=False)
     for line in report.struck:
         console.print(f"struck: {line}", highlight=False, markup=False)
+    for change in experiment.changes:
+        console.print(f"at {change.at_s:g} s: {', '.join(change.set)}", highlight=False, markup=False)
+    for line in report.changed:
+        console.print(line, highlight=False, soft_wrap=True, markup=False, style="yellow")
     if report.tripped:
         console.print(f"[red bold]TRIPPED[/]: {report.tripped}", highlight=False)
     if report.trip is not None:
         show_trip(console, report.trip, report.trip_file)
     if report.gap:
         console.print(f"[red bold]NO VERDICT[/]: {report.gap}; every tick is needed", highlight=False)
+    if report.changed:
+        console.print(f"[red bold]NO VERDICT[/]: {BY_HAND}", highlight=False)
     if report.verdicts:
         console.print(claims_table(report.verdicts))
     if report.latencies:
@@ -117,6 +126,8 @@ def markdown(report: Report) -> str:
     lines += [f"**NO VERDICT**: {report.gap}", ""] if report.gap else []
     lines += [f"**broken on purpose**: {words(fault)}\n" for fault in report.experiment.faults]
     lines += [f"**struck**: {line}\n" for line in report.struck]
+    lines += [f"**scheduled** at {change.at_s:g} s: {', '.join(change.set)}\n" for change in report.experiment.changes]
+    lines += [f"**NO VERDICT**: {BY_HAND}\n", *(f"**by hand**: {line}\n" for line in report.changed)] if report.changed else []
     lines += [f"**warning**: {line}\n" for line in report.warnings]
     lines += ["| claim | stated | measured | holds |", "|---|---|---|---|"]
     lines += [
@@ -149,6 +160,8 @@ def write_json(path: Path, report: Report) -> None:
                 "warnings": list(report.warnings),
                 "faults": [fault._asdict() for fault in report.experiment.faults],
                 "struck": list(report.struck),
+                "changes": [change._asdict() for change in report.experiment.changes],
+                "changed_by_hand": list(report.changed),
                 "claims": [
                     {
                         "statement": v.claim.statement,

@@ -50,4 +50,4 @@ def reproduce_live(
 def _play(bus: Bus, name: str, seed: int, clock: str, *, unqualified: bool) -> Played:
     """One trial. Raises CellError, TrippedError."""
     live = run_live(bus, find(name), seed, clock, lambda _: None, unqualified=unqualified)
-    return Played(live.trace, live.tripped, live.gap)
+    return Played(live.trace, live.tripped, live.gap or "; ".join(live.changed))

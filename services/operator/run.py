@@ -129,7 +129,7 @@ def _run_and_record(bus: Bus, wanted: Wanted, console: Console) -> Report:
         raise
     wall_s = time.perf_counter() - began
     report = _report(wanted, live.trace, live.tripped, live.gap, wall_s, _latencies(live))
-    report = report._replace(struck=live.struck, qualification=told.get("qualification"))
+    report = report._replace(struck=live.struck, changed=live.changed, qualification=told.get("qualification"))
     of_cell = tuple(line for line in live.warnings if line not in report.warnings)
     _warn(console, of_cell)
     report = report._replace(warnings=report.warnings + of_cell)

@@ -45,6 +45,7 @@ class Live(NamedTuple):
     status: dict[str, dict[str, Any]]
     warnings: tuple[str, ...]  # of the cell, when it took the experiment
     struck: tuple[str, ...] = ()  # what was done to processes, and when
+    changed: tuple[str, ...] = ()  # parameters that were changed by hand, and when
 
 
 def load(bus: Bus, experiment: Experiment, seed: int, clock: str, *, unqualified: bool = False) -> Loaded:
@@ -185,6 +186,7 @@ def _play(
         strikes.end()
     struck = tuple(strikes.told)
     time.sleep(_WATCH_S)  # the last answers are under way
+    changed = collector.changed(run)
     found = statuses(bus)
     ticks = duration_ticks(experiment.duration_s, experiment.plant)
     if tripped := collector.trip(run):
@@ -193,10 +195,12 @@ def _play(
     try:
         trace = collector.trace(run, ticks)
     except GapError as error:
-        return Live(None, str(error), tripped, found, warnings, struck)
+        return Live(None, str(error), tripped, found, warnings, struck, changed)
     if not tripped and len(trace.tick) != ticks:
-        return Live(None, f"the trial ended after {len(trace.tick)} of {ticks} samples", tripped, found, warnings, struck)
-    return Live(trace, "", tripped, found, warnings, struck)
+        return Live(
+            None, f"the trial ended after {len(trace.tick)} of {ticks} samples", tripped, found, warnings, struck, changed
+        )
+    return Live(trace, "", tripped, found, warnings, struck, changed)
 
 
 def _tell_trip(bus: Bus, collector: Collector, tell: Callable[[Document], object]) -> None:

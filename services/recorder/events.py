@@ -4,7 +4,18 @@ from typing import Literal, NamedTuple
 
 from services.recorder.gaps import Counted
 from shared.codec import Header, Rejected
-from shared.messages import NO_COMMAND, FaultEvent, GateCause, GateEvent, GateState, InboxCounts, Mode, Permit, TripCause
+from shared.messages import (
+    NO_COMMAND,
+    FaultEvent,
+    GateCause,
+    GateEvent,
+    GateState,
+    InboxCounts,
+    Mode,
+    ParameterEvent,
+    Permit,
+    TripCause,
+)
 from shared.timeliness import LATE_IN_A_ROW
 
 Level = Literal["INFO", "WARN", "ERROR"]
@@ -36,6 +47,18 @@ def fault_event(event: FaultEvent, service: str) -> Event:
     """A fault that was asked for."""
     what = f"{event.kind} {event.target}" + (f" {event.value:g}" if event.value else "")
     return Event(service, "WARN", f"fault {'begins' if event.acting else 'ends'}: {what}, sample {event.number}")
+
+
+def change_words(event: ParameterEvent) -> str:
+    """Which parameter was changed, by whom, when, from what to what."""
+    who = "by hand" if event.by_hand else "as scheduled"
+    ramp = f" over {event.ramp_samples} samples" if event.ramp_samples > 1 else ""
+    return f"changed {who} at sample {event.number}: {event.path} {event.old} -> {event.new}{ramp}"
+
+
+def parameter_event(event: ParameterEvent) -> Event:
+    """A parameter that was changed while a trial ran; by hand, its experiment no longer tells what was run."""
+    return Event("controller", "WARN" if event.by_hand else "INFO", change_words(event))
 
 
 def permit_events(before: Permit | None, now: Permit) -> list[Event]:

@@ -45,9 +45,13 @@ class Origin(NamedTuple):
 
 
 def trip_report(
-    signals: Tables, origin: Origin, about: About | None = None, counters: Mapping[str, Any] | None = None
+    signals: Tables,
+    origin: Origin,
+    about: About | None = None,
+    counters: Mapping[str, Any] | None = None,
+    changed: Sequence[str] = (),
 ) -> Document | None:
-    """The newest trip in `signals`, with its surroundings; None if there is none."""
+    """The newest trip in `signals`, with its surroundings and what was `changed` by hand before; None if there is none."""
     trip = newest_trip(signals)
     if trip is None:
         return None
@@ -66,6 +70,7 @@ def trip_report(
         "stop": stop(signals, trip.sample, about.force.scale if about is not None else N_PER_FORCE_COUNT),
         "ages": ages(signals, trip.by, trip.sample, origin.receiver),
         "counters": dict(counters or {}),
+        "changed": list(changed),
     }
     return document | {"sentence": sentence(document), "signals": _finite(signals)}
 

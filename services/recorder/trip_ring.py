@@ -7,13 +7,14 @@ from collections import deque
 from typing import Any, NamedTuple
 
 from shared.codec import Received
-from shared.messages import About, GateCause, GateEvent, GateState, Mode, Permit, Reception, Sample
+from shared.messages import About, GateCause, GateEvent, GateState, Mode, ParameterEvent, Permit, Reception, Sample
 from shared.units import NS_PER_S
 
 KEPT_NS = 10 * NS_PER_S  # before the trip, by the samples' own time
 _SLACK_NS = NS_PER_S  # a topic that is read after another
 AFTER_NS = NS_PER_S // 2  # after it: the zero, and the machine's coming to rest
 PATIENCE_NS = NS_PER_S  # by the receiver's clock: a plant that is gone sends nothing after it
+_CHANGES = 256  # of a trial's parameters: the newest
 _DEEPEST = 16_384  # messages a topic, whatever their times say: 10 s at 1 kHz, and what comes after
 
 
@@ -23,6 +24,7 @@ class Caught(NamedTuple):
     messages: dict[str, list[Received]]
     about: About | None
     receptions: dict[str, Reception]  # the newest of each receiver
+    changes: tuple[ParameterEvent, ...] = ()  # by hand, since the trial began, however long before
 
 
 class TripRing:
@@ -33,6 +35,7 @@ class TripRing:
         self.about: About | None = None
         self._rings: dict[str, deque[Received]] = {}
         self._receptions: dict[str, Reception] = {}
+        self._changes: deque[ParameterEvent] = deque(maxlen=_CHANGES)
         self._plant: int | None = None  # epoch
         self._newest_ns = 0
         self._permit: Received | None = None
@@ -47,6 +50,9 @@ class TripRing:
             return
         if isinstance(body, Reception):
             self._receptions[message.header.sender] = body
+            return
+        if isinstance(body, ParameterEvent):
+            self._changes.extend([body] * body.by_hand)
             return
         if isinstance(body, Sample):
             self._follow(message)
@@ -86,6 +92,7 @@ class TripRing:
             self._trip(message)
         elif permit.mode == Mode.DISARMED:
             self._hand_over()
+            self._changes.clear()
 
     def _trip(self, message: Received) -> None:
         if self._tripped_ns is None:
@@ -96,4 +103,4 @@ class TripRing:
             return
         self._tripped_ns = None
         messages: dict[str, list[Any]] = {topic: list(ring) for topic, ring in self._rings.items()}
-        self._done.append(Caught(messages, self.about, dict(self._receptions)))
+        self._done.append(Caught(messages, self.about, dict(self._receptions), tuple(self._changes)))

@@ -12,6 +12,7 @@ def lines(document: Document) -> list[str]:
         told.append(f"rule: {document['cause']} of the {document['by']}: {document['must_hold']}")
     if document["to_do"]:
         told.append(f"to do: {document['to_do']}")
+    told += document.get("changed", [])
     told += ["ages at the trip:"] if document["ages"] else []
     told += [f"  {hop['age_s'] * _MS:9.3f} ms  {hop['hop']}, on {hop['clock']} clock" for hop in document["ages"]]
     counted = _counted(document)
@@ -26,6 +27,7 @@ def markdown(document: Document) -> str:
         f"## Trip: {document['cause']}",
         document["sentence"],
         f"Must hold: {document['must_hold']}. To do: {document['to_do']}." if document["must_hold"] else "",
+        "\n".join(f"* {line}" for line in document.get("changed", [])),
         f"| hop | age in ms | on whose clock |\n|-|-:|-|\n{ages}" if ages else "",
         counted,
     ]

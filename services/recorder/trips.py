@@ -4,6 +4,7 @@ from datetime import UTC, datetime
 from pathlib import Path
 from typing import Any
 
+from services.recorder.events import change_words
 from services.recorder.tables import SAMPLE, tables
 from services.recorder.trip_files import TripFiles
 from services.recorder.trip_report import Document, Origin, counters_of, trip_report
@@ -22,7 +23,8 @@ def document_of(caught: Caught, utc: str, cell: str, receiver: str, counters: di
     header = samples[-1].header if samples else None
     run, experiment = (header.run, header.experiment.hex()) if header else (0, "")
     counted = counters_of(caught.receptions) | counters
-    return trip_report(tables(caught.messages), Origin(utc, cell, receiver, run, experiment), caught.about, counted)
+    origin, changed = Origin(utc, cell, receiver, run, experiment), tuple(map(change_words, caught.changes))
+    return trip_report(tables(caught.messages), origin, caught.about, counted, changed)
 
 
 class Trips:

@@ -7,13 +7,33 @@ import numpy as np
 
 from services.recorder import scene
 from services.recorder.columns import MS, Matrix, column_names, figure_values, figures, flat_rows, widths
-from services.recorder.events import COUNT_NAMES, Event, fault_event, gate_event, late_event, permit_events, reception_event
+from services.recorder.events import (
+    COUNT_NAMES,
+    Event,
+    fault_event,
+    gate_event,
+    late_event,
+    parameter_event,
+    permit_events,
+    reception_event,
+)
 from services.recorder.lanes import changes, lanes
 from services.recorder.places import Place, Places, sample_numbers
 from services.recorder.rows import Rows, Times, alike, only, times_of
 from shared.codec import Received
 from shared.converters import UNIMATE_CONVERTERS
-from shared.messages import About, Command, ControllerState, FaultEvent, GateEvent, InboxCounts, Permit, Reception, Sample
+from shared.messages import (
+    About,
+    Command,
+    ControllerState,
+    FaultEvent,
+    GateEvent,
+    InboxCounts,
+    ParameterEvent,
+    Permit,
+    Reception,
+    Sample,
+)
 from shared.timeliness import answered_in_time
 
 BATCH_ROWS = 256  # a batch is a chunk of the file with about 1 kB around it; `flush` comes earlier at slow rates
@@ -67,9 +87,11 @@ class Writer:
                 self._describe(body)
             self.rows[message.topic] = self.rows.get(message.topic, 0) + 1
             return
-        if isinstance(body, Reception | FaultEvent):
+        if isinstance(body, Reception | FaultEvent | ParameterEvent):
             if isinstance(body, Reception):
                 self._tell_reception(message)
+            elif isinstance(body, ParameterEvent):
+                self.tell(parameter_event(body), self._places.at(body.number))
             else:
                 self.tell(fault_event(body, message.header.sender), self._places.at(body.number))
             self.rows[message.topic] = self.rows.get(message.topic, 0) + 1

@@ -1,0 +1,168 @@
+"""Parameters that change while the machine moves or presses (rows 26, 27): nothing trips, the command goes by the tight limit."""
+
+import json
+from collections.abc import Sequence
+from functools import partial
+from random import Random
+from typing import NamedTuple
+
+import numpy as np
+
+from battery.observer import Heard
+from battery.rig import Rig
+from battery.simulations import PLAYED_S, at, ended, moved
+from battery.swings import PRESS, SWING
+from battery.trial import Trial
+from experiments.experiment import Experiment
+from rollout.cell import Columns
+from rollout.rollout import play_local
+from services.controller.changes import RAMP_S
+from services.controller.config import ScheduledChange
+from services.operator.cell import CellError
+from services.supervisor.modes import RUNNING
+from shared.messages import Mode
+from shared.units import NS_PER_S, SUBSTEP_NS
+
+PRESSING = (  # each on its own; hard and soft, light and heavy, loose and stiff
+    ("controller.impedance.stiffness_n_per_m=20e3",),
+    ("controller.impedance.stiffness_n_per_m=100e3", "controller.impedance.mass_kg=1000"),
+    ("controller.impedance.mass_kg=200", "controller.impedance.damping_ratio=2"),
+    ("controller.gains.down_up.kp_a_per_rad=6", "controller.gains.down_up.ki_a_per_rad_s=30"),
+    ("controller.gains.down_up.kp_a_per_rad=20", "controller.gains.rotate.kp_a_per_rad=2"),
+)
+LAWS = ("pi", "vetia", "deadband", "morse", "hysteresis", "robust", "torque", "final")
+EVERY_S = 0.7  # longer than the samples after a switch, shorter than half a swing
+SETTLED_S = 0.5  # after what was changed last
+REFUSED = (
+    "controller.gains.down_up.kp_a_per_rad=-0.001",
+    "controller.impedance.stiffness_n_per_m=10000001",
+    "controller.impedance.stiffness_n_per_m=nan",
+    "controller.law=bang",
+    "controller.lav=pi",
+    "controller.slew_codes=2000",
+    "controller.tight_slew_codes=2000",
+    "controller.target=joint",
+    "supervisor.force_limit_n=300",
+    "plant.bias_s=1",
+)
+
+
+class Steps(NamedTuple):
+    """What the command did while it had to go by the tight limit."""
+
+    largest: int  # codes
+    limit: int
+    samples: int
+
+
+def _period_ns(experiment: Experiment) -> int:
+    return experiment.plant.sample_period_substeps * SUBSTEP_NS
+
+
+def _ramp_samples(experiment: Experiment) -> int:
+    return round(RAMP_S * NS_PER_S / _period_ns(experiment))
+
+
+def pressed(seed: int) -> Trial:
+    """In contact, at any force between 50 and 250 N: one of the changes, on the local clock."""
+    chosen = PRESSING[seed % len(PRESSING)]
+    return _played(PRESS, (ScheduledChange(at(seed), chosen),), seed)
+
+
+def switched(seed: int) -> Trial:
+    """While the link swings: one law after another."""
+    at_s, laws = at(seed) - 1.0, Random(seed).sample(LAWS, len(LAWS))
+    changes = (ScheduledChange(at_s + EVERY_S * i, (f"controller.law={law}",)) for i, law in enumerate(laws))
+    return _played(SWING, tuple(change for change in changes if change.at_s < PLAYED_S - SETTLED_S), seed, laws[0])
+
+
+def _played(motion: Experiment, changes: Sequence[ScheduledChange], seed: int, first_law: str = "") -> Trial:
+    controller = motion.controller
+    if first_law == controller.law:  # a switch to what acts already is none
+        controller = controller._replace(law="pi")
+    experiment = motion._replace(controller=controller, duration_s=PLAYED_S, changes=tuple(changes))
+    outcome = play_local(experiment, seed)
+    rows = outcome.rows
+    firsts = [-(-round(change.at_s * NS_PER_S) // _period_ns(experiment)) - outcome.first_tick for change in changes]
+    ramp = _ramp_samples(experiment) if any("impedance" in text for change in changes for text in change.set) else 1
+    spans = [(first, first + ramp - 1 + controller.tight_samples) for first in firsts]
+    steps = _steps(rows, spans, controller.tight_slew_codes)
+    way_mm, force_n = moved(experiment, rows, firsts[0], len(rows.tick) - 1)
+    peak_n = float(rows.contact_force_n.max())
+    whole = outcome.supervisor.mode == RUNNING
+    words = f"{'; '.join(', '.join(c.set) for c in changes)}: {_words(steps)}; peak {peak_n:.0f} N"
+    words += "" if whole else f"; {ended(outcome).words}"
+    return Trial(whole and steps.largest <= steps.limit, words, moved_mm=way_mm, force_n=force_n)
+
+
+def _steps(rows: Columns, spans: Sequence[tuple[int, int]], limit: int) -> Steps:
+    """Steps of the codes in the rows of each span, each against the row before."""
+    moved = np.abs(np.diff(rows.dac_counts, axis=0)).max(axis=1)  # row i + 1 against row i
+    inside = [int(step) for first, end in spans for step in moved[first - 1 : end - 1]]
+    return Steps(max(inside, default=0), limit, len(inside))
+
+
+def _words(steps: Steps) -> str:
+    return f"largest step {steps.largest} codes in {steps.samples} samples, {steps.limit} are allowed"
+
+
+def pressed_live(rig: Rig, dice: Random, number: int) -> Trial:
+    """The same with real processes, at a random phase of the force, by the request of `hydrohil set`."""
+    rig.moving(PRESS, dice)
+    return _asked(rig, PRESS, (PRESSING[number % len(PRESSING)],))
+
+
+def switched_live(rig: Rig, dice: Random, number: int) -> Trial:
+    """Three laws in turn while the link swings."""
+    rig.moving(SWING, dice)
+    laws = [law for law in dice.sample(LAWS, 4) if law != SWING.controller.law][:3]
+    return _asked(rig, SWING, [(f"controller.law={law}",) for law in laws])
+
+
+def _asked(rig: Rig, experiment: Experiment, changes: Sequence[tuple[str, ...]]) -> Trial:
+    spans = []
+    for chosen in changes:
+        made = rig.ask("controller", "parameters", set=list(chosen))
+        first = int(made["number"])
+        end = first + int(made["ramp_samples"]) - 1 + experiment.controller.tight_samples
+        spans.append((first, end))
+        rig.await_(partial(_reached, rig, end), "the samples after the change")
+    heard = rig.observer.listen_for(SETTLED_S)
+    steps = _live_steps(heard, spans, experiment.controller.tight_slew_codes)
+    mode = Mode(heard.permits[-1].body.mode).name
+    words = f"{'; '.join(', '.join(chosen) for chosen in changes)}: {_words(steps)}; {mode}"
+    whole = mode == Mode.RUNNING.name and steps.samples > 0
+    return Trial(whole and steps.largest <= steps.limit, words if whole else f"{words}: {rig.words()}")
+
+
+def _reached(rig: Rig, number: int) -> bool:
+    return bool(rig.observer.listen().samples[-1].body.number >= number)
+
+
+def _live_steps(heard: Heard, spans: Sequence[tuple[int, int]], limit: int) -> Steps:
+    """Each command against the codes that the D/A held at the sample it answers: the controller knows no later ones."""
+    held = {message.body.number: message.body.dac_counts for message in heard.samples}
+    answers = [(message.header.echo_number, message.body.dac_counts) for message in heard.commands]
+    inside = [
+        max(abs(code - before) for code, before in zip(codes, held[number], strict=True))
+        for number, codes in answers
+        if number in held and any(first <= number < end for first, end in spans)
+    ]
+    return Steps(max(inside, default=0), limit, len(inside))
+
+
+def refused_live(rig: Rig, dice: Random, _: int) -> Trial:
+    """Out of bounds, unknown, of another section, or a limit: each is refused in contact, and nothing changes."""
+    rig.moving(PRESS, dice)
+    before = rig.status("controller")["changed"]
+    answers = {text: rig.bus.ask("controller", "parameters", {"set": [text]}, 2.0) for text in REFUSED}
+    silent = [text for text, answer in answers.items() if answer is None]
+    if silent:
+        raise CellError(f"no answer to {', '.join(silent)}")
+    taken = [text for text, answer in answers.items() if answer is not None and answer.accepted]
+    mixed = rig.bus.ask("controller", "parameters", {"set": ["controller.law=pi", REFUSED[0]]}, 2.0)
+    if mixed is None or mixed.accepted:
+        taken.append("half of a change")
+    after, mode = rig.status("controller")["changed"], rig.status("supervisor").get("mode")
+    words = f"{len(REFUSED) + 1 - len(taken)} of {len(REFUSED) + 1} refused; changed: {json.dumps(after)}; {mode}"
+    return Trial(not taken and before == after == [] and mode == Mode.RUNNING.name, words)
