@@ -130,7 +130,7 @@ def test_the_newest_counters_of_each_receiver_go_with_it():
 
 def changed(by_hand, number):
     event = ParameterEvent(number, number - 1030, by_hand, "controller.law", '"final"', '"pi"', 1)
-    return Received(0, "controller/changed", tripping(SUPERVISOR)[0].header, event)
+    return Received(0, "controller/changed", next(iter(tripping(SUPERVISOR))).header, event)
 
 
 def test_what_was_changed_by_hand_in_the_trial_belongs_to_its_trip_however_long_before():

@@ -58,6 +58,8 @@ class TripRing:
             self._follow(message)
         elif isinstance(body, Permit):
             self._judge(message, body)
+            if body.mode == Mode.DISARMED and self._tripped_ns is None:
+                self._changes.clear()
         ring = self._rings.setdefault(message.topic, deque(maxlen=_DEEPEST))
         ring.append(message)
         if isinstance(body, GateEvent) and body.state == GateState.BURNED and body.cause != GateCause.BURNED_ARMING:
@@ -92,7 +94,6 @@ class TripRing:
             self._trip(message)
         elif permit.mode == Mode.DISARMED:
             self._hand_over()
-            self._changes.clear()
 
     def _trip(self, message: Received) -> None:
         if self._tripped_ns is None:
