@@ -32,6 +32,7 @@ PRESSING = (  # each on its own; hard and soft, light and heavy, loose and stiff
 )
 LAWS = ("pi", "vetia", "deadband", "morse", "hysteresis", "robust", "torque", "final")
 EVERY_S = 0.7  # longer than the samples after a switch, shorter than half a swing
+HELD_CODES = 1  # a law that takes over holds the accepted current, which the converter truncates
 SETTLED_S = 0.5  # after what was changed last
 REFUSED = (
     "controller.gains.down_up.kp_a_per_rad=-0.001",
@@ -51,6 +52,7 @@ class Steps(NamedTuple):
     """What the command did while it had to go by the tight limit."""
 
     largest: int  # codes
+    first: int  # at the samples at which a change begins
     limit: int
     samples: int
 
@@ -92,18 +94,19 @@ def _played(motion: Experiment, changes: Sequence[ScheduledChange], seed: int, f
     whole = outcome.supervisor.mode == RUNNING
     words = f"{'; '.join(', '.join(c.set) for c in changes)}: {_words(steps)}; peak {peak_n:.0f} N"
     words += "" if whole else f"; {ended(outcome).words}"
-    return Trial(whole and steps.largest <= steps.limit, words, moved_mm=way_mm, force_n=force_n)
+    held = whole and steps.largest <= steps.limit and not (first_law and steps.first > HELD_CODES)
+    return Trial(held, words, moved_mm=way_mm, force_n=force_n)
 
 
 def _steps(rows: Columns, spans: Sequence[tuple[int, int]], limit: int) -> Steps:
     """Steps of the codes in the rows of each span, each against the row before."""
-    moved = np.abs(np.diff(rows.dac_counts, axis=0)).max(axis=1)  # row i + 1 against row i
-    inside = [int(step) for first, end in spans for step in moved[first - 1 : end - 1]]
-    return Steps(max(inside, default=0), limit, len(inside))
+    made = np.abs(np.diff(rows.dac_counts, axis=0)).max(axis=1)  # row i + 1 against row i
+    inside = [int(step) for first, end in spans for step in made[first - 1 : end - 1]]
+    return Steps(max(inside), max(int(made[first - 1]) for first, _ in spans), limit, len(inside))
 
 
 def _words(steps: Steps) -> str:
-    return f"largest step {steps.largest} codes in {steps.samples} samples, {steps.limit} are allowed"
+    return f"steps of {steps.first} codes at the change, {steps.largest} in {steps.samples} samples, {steps.limit} are allowed"
 
 
 def pressed_live(rig: Rig, dice: Random, number: int) -> Trial:
@@ -132,7 +135,9 @@ def _asked(rig: Rig, experiment: Experiment, changes: Sequence[tuple[str, ...]])
     mode = Mode(heard.permits[-1].body.mode).name
     words = f"{'; '.join(', '.join(chosen) for chosen in changes)}: {_words(steps)}; {mode}"
     whole = mode == Mode.RUNNING.name and steps.samples > 0
-    return Trial(whole and steps.largest <= steps.limit, words if whole else f"{words}: {rig.words()}")
+    chosen_law = any("controller.law" in text for chosen in changes for text in chosen)
+    bumpless = not (chosen_law and steps.first > HELD_CODES)
+    return Trial(whole and steps.largest <= steps.limit and bumpless, words if whole else f"{words}: {rig.words()}")
 
 
 def _reached(rig: Rig, number: int) -> bool:
@@ -143,12 +148,13 @@ def _live_steps(heard: Heard, spans: Sequence[tuple[int, int]], limit: int) -> S
     """Each command against the codes that the D/A held at the sample it answers: the controller knows no later ones."""
     held = {message.body.number: message.body.dac_counts for message in heard.samples}
     answers = [(message.header.echo_number, message.body.dac_counts) for message in heard.commands]
-    inside = [
-        max(abs(code - before) for code, before in zip(codes, held[number], strict=True))
+    made = {
+        number: max(abs(code - before) for code, before in zip(codes, held[number], strict=True))
         for number, codes in answers
-        if number in held and any(first <= number < end for first, end in spans)
-    ]
-    return Steps(max(inside, default=0), limit, len(inside))
+        if number in held
+    }
+    inside = [made[number] for first, end in spans for number in range(first, end) if number in made]
+    return Steps(max(inside, default=0), max(made.get(first, 0) for first, _ in spans), limit, len(inside))
 
 
 def refused_live(rig: Rig, dice: Random, _: int) -> Trial:

@@ -1,7 +1,7 @@
 """The last seconds of everything, and when a trip is complete."""
 
 import pytest
-from recorder_trial import PERIOD_NS
+from recorder_trial import PERIOD_NS, trial
 from trip_scene import GATE, SUPERVISOR, TRIP_NUMBER, TRIP_TICK, reception, tripping
 
 from services.recorder.trip_ring import AFTER_NS, KEPT_NS, PATIENCE_NS, TripRing
@@ -138,9 +138,9 @@ def test_what_was_changed_by_hand_in_the_trial_belongs_to_its_trip_however_long_
     early = changed(1, 1040)
     ring.take(early)
     for part in range(8):  # a minute
-        fed(shifted([m for m in tripping(SUPERVISOR, ticks=TRIP_TICK) if not disarmed(m)], 800 * part), ring)
+        fed(shifted(tripping(SUPERVISOR, ticks=TRIP_TICK), 800 * part), ring)
     ring.take(changed(0, 1050))
-    fed(shifted([m for m in tripping(SUPERVISOR) if not disarmed(m)], 6400), ring)
+    fed(shifted(tripping(SUPERVISOR), 6400), ring)
     (caught,) = ring.caught(0)
     assert caught.changes == (early.body,)
     document = document_of(caught, "", "cell", "the recorder's", {})
@@ -153,7 +153,7 @@ def disarmed(message):
 
 
 def test_what_was_changed_in_a_trial_before_is_forgotten():
-    ring = fed([changed(1, 1040)])
-    fed(tripping(SUPERVISOR), ring)  # its first permits are disarmed
+    ring = fed([changed(1, 1040), *filter(disarmed, trial(20))])
+    fed(tripping(SUPERVISOR), ring)
     (caught,) = ring.caught(0)
     assert caught.changes == ()
