@@ -109,13 +109,21 @@ def _section_problems(experiment: Experiment) -> list[str]:
 def _check_changes(experiment: Experiment, met: Surroundings) -> None:
     """Raise ValueError where a change may not be, or leads to a configuration that could not be loaded."""
     plant = experiment.plant
-    for _, config in scheduled(experiment.controller, experiment.changes, plant.sample_period_substeps * SUBSTEP_NS):
+    for config in _acting(experiment)[1:]:
         check(config, experiment.reference, plant.initial_q_rad, plant.machine.q4_rad, met)
+
+
+def _acting(experiment: Experiment) -> tuple[ControllerConfig, ...]:
+    """The controller's configurations in the order in which they act."""
+    period_ns = experiment.plant.sample_period_substeps * SUBSTEP_NS
+    changed = scheduled(experiment.controller, experiment.changes, period_ns)
+    return (experiment.controller, *(config for _, config in changed))
 
 
 def warnings(experiment: Experiment) -> tuple[str, ...]:
     """What an operator should know before it runs, one line a warning; none of them keeps it from running."""
-    return preflight(experiment.controller, surroundings(to_plain(experiment.plant)))
+    met = surroundings(to_plain(experiment.plant))
+    return tuple(dict.fromkeys(line for config in _acting(experiment) for line in preflight(config, met)))
 
 
 def from_toml(path: Path) -> Experiment:

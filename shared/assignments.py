@@ -23,7 +23,7 @@ def parsed(assignment: str) -> tuple[str, Any]:
         raise ValueError("expected path=value, such as controller.law=pi; write it so")
     try:
         value = tomllib.loads(f"value = {text.strip()}")["value"]
-    except tomllib.TOMLDecodeError:
+    except (tomllib.TOMLDecodeError, RecursionError):
         value = text.strip()
     return path.strip(), value
 

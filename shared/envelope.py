@@ -95,7 +95,11 @@ def one_fault(plain: Any) -> Fault:
 def checked(plain: Any, name: str, kind: Any) -> Any:
     """`plain` data as a `kind`; raises ValueError with one line that names the field."""
     try:
-        return _adapter(kind).validate_json(json.dumps(plain), strict=True)
+        text = json.dumps(plain)
+    except (TypeError, RecursionError) as error:
+        raise ValueError(f"{name}: {error}: use text, numbers, true or false, lists and tables") from None
+    try:
+        return _adapter(kind).validate_json(text, strict=True)
     except ValidationError as error:
         first = error.errors()[0]
         where = ".".join(str(part) for part in (name, *first["loc"]))

@@ -145,6 +145,19 @@ def test_the_target_impedance_moves_over_half_a_second_mass_and_stiffness_geomet
     assert {impedance.mass_kg for impedance in seen} == {LOADED.impedance.mass_kg}
 
 
+def test_a_ramp_over_every_decade_that_may_be_stays_between_its_ends():
+    light, heavy = (LOADED._replace(impedance=LOADED.impedance._replace(mass_kg=mass)) for mass in (1e-300, 1e6))
+    seen = [blended(light, heavy, share / 10).impedance.mass_kg for share in range(1, 10)]
+    assert seen == sorted(seen) and seen[0] > 1e-300 and seen[-1] < 1e6
+
+
+def test_a_mass_too_small_to_be_one_is_refused():
+    tiny, small = (LOADED._replace(impedance=LOADED.impedance._replace(mass_kg=mass)) for mass in (5e-324, 1e-300))
+    check(small, (), (0.0, 0.0, 0.212))
+    with pytest.raises(ValueError, match="mass_kg"):
+        check(tiny, (), (0.0, 0.0, 0.212))
+
+
 @pytest.mark.parametrize("share", [0.0, 0.25, 1.0])
 def test_what_does_not_change_keeps_its_bits_while_others_move(share):
     after = assigned(LOADED, ["controller.adaptation.onset_n=0.0", "controller.impedance.mass_kg=123.4"])

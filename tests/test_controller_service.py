@@ -8,6 +8,7 @@ from wire_scene import FakeBus, header
 
 from experiments.experiment import Experiment, to_plain, warnings
 from experiments.library import find
+from experiments.overrides import with_overrides
 from services.controller.config import ControllerConfig, ScheduledChange
 from services.controller.params import LAW_FINAL, LAW_PI
 from services.controller.service import Controller
@@ -182,8 +183,21 @@ def test_a_target_moves_sample_by_sample_and_ends_at_what_was_asked():
         seen = cell.controller.params.impedance.stiffness_n_per_m
         assert seen == pytest.approx(50e3 * 2.0 ** (min(1.0, (tick - 40) / 111)))
     assert seen == 100e3
+    assert cell.answers[0][2]["warnings"] == []
     (told,) = cell.bus.of("controller/changed")
     assert (told.tick, told.ramp_samples, told.old, told.new) == (41, 111, "50000.0", "100000.0")
+
+
+def test_a_target_that_must_limit_cycle_is_taken_with_the_warning_of_a_load():
+    cell = Cell(PRESS).to_tick(40)
+    cell.ask("parameters", set=["controller.impedance.stiffness_n_per_m=1000"])
+    while cell.controller.parameters._wanted is not None:
+        cell.controller.parameters.examine()
+    cell.sample(41)
+    loaded = with_overrides(PRESS, ["controller.impedance.stiffness_n_per_m=1000"])
+    assert tuple(cell.answers[0][2]["warnings"]) == warnings(loaded) != ()
+    scheduled = PRESS._replace(changes=(ScheduledChange(1.0, ("controller.impedance.stiffness_n_per_m=1000",)),))
+    assert warnings(scheduled) == warnings(loaded)
 
 
 def test_a_soft_target_whose_push_leaves_the_travel_is_refused_as_at_a_load():
@@ -208,6 +222,10 @@ def test_a_soft_target_whose_push_leaves_the_travel_is_refused_as_at_a_load():
         ([], "nothing would change"),
         ("controller.law=pi", "no list"),
         ([3], "no list"),
+        (["controller.law=1979-05-27"], "use text, numbers"),
+        (["controller.law=" + "[" * 100_000], "controller.law is"),
+        (["controller.gains.down_up.kp_a_per_rad=1e400"], "kp_a_per_rad"),
+        (["controller.gains.down_up.kp_a_per_rad=" + "9" * 5000], "digits"),
     ],
 )
 def test_what_may_not_be_is_refused_at_once_and_nothing_changes(wanted, words):

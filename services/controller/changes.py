@@ -5,6 +5,7 @@ Law and gains act at one sample; the links that have others take their integral 
 goes on from where it is, so that the set-point never steps. Meanwhile, and for `tight_samples` more, the tight slew limit holds.
 """
 
+import math
 from collections.abc import Iterator, Sequence
 from typing import Any, NamedTuple
 
@@ -152,7 +153,7 @@ def blended(before: ControllerConfig, after: ControllerConfig, share: float) -> 
         return {name: a + share * (b - a) if a != b else b for name, a, b in pairs}
 
     def geometric(a: float, b: float) -> float:
-        return float(a * (b / a) ** share) if a != b else b
+        return math.exp(math.log(a) + share * (math.log(b) - math.log(a))) if a != b else b
 
     old, new = before.impedance, after.impedance
     scaled: dict[str, Any] = {name: geometric(getattr(old, name), getattr(new, name)) for name in GEOMETRIC}

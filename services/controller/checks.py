@@ -41,6 +41,10 @@ def examine(
 ) -> Iterator[None]:
     """`check` in steps, each short enough to be taken between two samples; raises as `check` does."""
     impedance = config.impedance
+    if not impedance.stiffness_n_per_m / impedance.mass_kg < math.inf:
+        raise ValueError(
+            f"controller.impedance: mass_kg {impedance.mass_kg:g} kg is none beside {impedance.stiffness_n_per_m:g} N/m; raise it"
+        )
     if impedance.setpoint_compensation and not impedance.environment_n_per_m > 0.0:
         raise ValueError("controller.impedance: setpoint_compensation needs environment_n_per_m > 0")
     if config.target == "explicit" and not impedance.environment_n_per_m > 0.0:

@@ -7,6 +7,7 @@ from services.controller.changes import Change, assigned, differences
 from services.controller.checks import examine
 from services.controller.config import ControllerConfig, Reference
 from services.controller.course import Course, at, follow, moves
+from services.controller.preflight import preflight
 from services.controller.surroundings import Surroundings
 from shared.assignments import text_of
 from shared.requests import Request
@@ -110,7 +111,8 @@ class Parameters:
         )
         if request is not None:
             changed = [{"path": event.path, "old": event.old, "new": event.new} for event in events]
-            request.reply({"number": change.first, "ramp_samples": ramp, "changed": changed})
+            warnings = list(preflight(change.after, self.loaded.met)) if self.loaded is not None else []
+            request.reply({"number": change.first, "ramp_samples": ramp, "changed": changed, "warnings": warnings})
         return events
 
     def changed(self) -> list[str]:

@@ -135,14 +135,20 @@ class Controller:
             met, q0_rad, pitch_rad = surroundings(plant), tuple(plant["initial_q_rad"]), plant["machine"]["q4_rad"]
             changes = checked(envelope.experiment.get("changes", []), "changes", Changes)
             waiting = scheduled(config, changes, plant["sample_period_substeps"] * SUBSTEP_NS) if changes else ()
-            for one in (config, *(after for _, after in waiting)):
+            acting = (config, *(after for _, after in waiting))
+            for one in acting:
                 check(one, reference, q0_rad, pitch_rad, met)
             self.faults.loaded(envelope)
         except (ValueError, LookupError, TypeError, ArithmeticError) as error:  # [plant] is read as it came
             return request.refuse(str(error))
         loaded = Loaded(Course(config, waiting), reference, q0_rad, pitch_rad, met, envelope.clock == "lockstep")
         self.pending = (envelope, config, loaded)
-        return request.reply({"digest": envelope.digest.hex(), "warnings": list(preflight(config, met))})
+        return request.reply(
+            {
+                "digest": envelope.digest.hex(),
+                "warnings": list(dict.fromkeys(line for one in acting for line in preflight(one, met))),
+            }
+        )
 
     def _commit(self, request: Request) -> None:
         if self.pending is None or self.pending[0].digest.hex() != request.arguments.get("digest"):

@@ -41,8 +41,10 @@ def set_parameters(
     if as_json:
         print(json.dumps(made))
         return
+    for line in made.get("warnings", ()):
+        console.print(f"warning: {line}", highlight=False, markup=False, soft_wrap=True, style="yellow")
     for changed in made["changed"]:
-        console.print(f"{changed['path']}: {changed['old']} -> {changed['new']}", highlight=False, markup=False)
+        console.print(f"{changed['path']}: {changed['old']} -> {changed['new']}", highlight=False, markup=False, soft_wrap=True)
     ramp = f", moving over {made['ramp_samples']} samples" if made["ramp_samples"] > 1 else ""
     console.print(f"acts from sample {made['number']}{ramp}", highlight=False)
 
