@@ -1,6 +1,7 @@
 """Parameters that change while the machine moves or presses (rows 26, 27): nothing trips, the command goes by the tight limit."""
 
 import json
+import time
 from collections.abc import Sequence
 from functools import partial
 from random import Random
@@ -9,6 +10,7 @@ from typing import NamedTuple
 import numpy as np
 
 from battery.observer import Heard
+from battery.observer import moved as moved_since
 from battery.rig import Rig
 from battery.simulations import PLAYED_S, at, ended, moved
 from battery.swings import PRESS, SWING
@@ -18,6 +20,7 @@ from rollout.cell import Columns
 from rollout.rollout import play_local
 from services.controller.changes import RAMP_S
 from services.controller.config import ScheduledChange
+from services.controller.course import scheduled
 from services.operator.cell import CellError
 from services.supervisor.modes import RUNNING
 from shared.messages import Mode
@@ -57,14 +60,6 @@ class Steps(NamedTuple):
     samples: int
 
 
-def _period_ns(experiment: Experiment) -> int:
-    return experiment.plant.sample_period_substeps * SUBSTEP_NS
-
-
-def _ramp_samples(experiment: Experiment) -> int:
-    return round(RAMP_S * NS_PER_S / _period_ns(experiment))
-
-
 def pressed(seed: int) -> Trial:
     """In contact, at any force between 50 and 250 N: one of the changes, on the local clock."""
     chosen = PRESSING[seed % len(PRESSING)]
@@ -74,28 +69,41 @@ def pressed(seed: int) -> Trial:
 def switched(seed: int) -> Trial:
     """While the link swings: one law after another."""
     at_s, laws = at(seed) - 1.0, Random(seed).sample(LAWS, len(LAWS))
+    before = "pi" if laws[0] == SWING.controller.law else SWING.controller.law  # a switch to what acts already is none
     changes = (ScheduledChange(at_s + EVERY_S * i, (f"controller.law={law}",)) for i, law in enumerate(laws))
-    return _played(SWING, tuple(change for change in changes if change.at_s < PLAYED_S - SETTLED_S), seed, laws[0])
+    motion = SWING._replace(controller=SWING.controller._replace(law=before))
+    return _played(motion, tuple(change for change in changes if change.at_s < PLAYED_S - SETTLED_S), seed)
 
 
-def _played(motion: Experiment, changes: Sequence[ScheduledChange], seed: int, first_law: str = "") -> Trial:
-    controller = motion.controller
-    if first_law == controller.law:  # a switch to what acts already is none
-        controller = controller._replace(law="pi")
-    experiment = motion._replace(controller=controller, duration_s=PLAYED_S, changes=tuple(changes))
-    outcome = play_local(experiment, seed)
-    rows = outcome.rows
-    firsts = [-(-round(change.at_s * NS_PER_S) // _period_ns(experiment)) - outcome.first_tick for change in changes]
-    ramp = _ramp_samples(experiment) if any("impedance" in text for change in changes for text in change.set) else 1
-    spans = [(first, first + ramp - 1 + controller.tight_samples) for first in firsts]
-    steps = _steps(rows, spans, controller.tight_slew_codes)
+def _played(motion: Experiment, changes: tuple[ScheduledChange, ...], seed: int) -> Trial:
+    experiment = motion._replace(duration_s=PLAYED_S, changes=changes)
+    outcome, period_ns = play_local(experiment, seed), experiment.plant.sample_period_substeps * SUBSTEP_NS
+    rows, asked = outcome.rows, [change.set for change in changes]
+    told = _asked_words(asked)
+    if outcome.supervisor.mode != RUNNING:
+        return Trial(False, f"{told}: {ended(outcome).words}")
+    waiting = scheduled(experiment.controller, changes, period_ns)
+    firsts = [tick - outcome.first_tick for tick, _ in waiting]
+    ramp = round(RAMP_S * NS_PER_S / period_ns) if "impedance" in told else 1
+    spans = [(first, first + ramp - 1 + experiment.controller.tight_samples) for first in firsts]
+    steps = _steps(rows, spans, experiment.controller.tight_slew_codes)
     way_mm, force_n = moved(experiment, rows, firsts[0], len(rows.tick) - 1)
-    peak_n = float(rows.contact_force_n.max())
-    whole = outcome.supervisor.mode == RUNNING
-    words = f"{'; '.join(', '.join(c.set) for c in changes)}: {_words(steps)}; peak {peak_n:.0f} N"
-    words += "" if whole else f"; {ended(outcome).words}"
-    held = whole and steps.largest <= steps.limit and not (first_law and steps.first > HELD_CODES)
-    return Trial(held, words, moved_mm=way_mm, force_n=force_n)
+    words = f"{told}: {_words(steps)}; peak {rows.contact_force_n.max():.0f} N"
+    return Trial(_continuous(steps, asked), words, moved_mm=way_mm, force_n=force_n)
+
+
+def _asked_words(changes: Sequence[Sequence[str]]) -> str:
+    return "; ".join(", ".join(chosen) for chosen in changes)
+
+
+def _words(steps: Steps) -> str:
+    return f"steps of {steps.first} codes at the change, {steps.largest} in {steps.samples} samples, {steps.limit} are allowed"
+
+
+def _continuous(steps: Steps, changes: Sequence[Sequence[str]]) -> bool:
+    """Within the tight limit; and a law that takes over has held the current."""
+    switches = any("controller.law" in text for chosen in changes for text in chosen)
+    return steps.samples > 0 and steps.largest <= steps.limit and not (switches and steps.first > HELD_CODES)
 
 
 def _steps(rows: Columns, spans: Sequence[tuple[int, int]], limit: int) -> Steps:
@@ -105,17 +113,13 @@ def _steps(rows: Columns, spans: Sequence[tuple[int, int]], limit: int) -> Steps
     return Steps(max(inside), max(int(made[first - 1]) for first, _ in spans), limit, len(inside))
 
 
-def _words(steps: Steps) -> str:
-    return f"steps of {steps.first} codes at the change, {steps.largest} in {steps.samples} samples, {steps.limit} are allowed"
-
-
 def pressed_live(rig: Rig, dice: Random, number: int) -> Trial:
     """The same with real processes, at a random phase of the force, by the request of `hydrohil set`."""
     rig.moving(PRESS, dice)
     return _asked(rig, PRESS, (PRESSING[number % len(PRESSING)],))
 
 
-def switched_live(rig: Rig, dice: Random, number: int) -> Trial:
+def switched_live(rig: Rig, dice: Random, _: int) -> Trial:
     """Three laws in turn while the link swings."""
     rig.moving(SWING, dice)
     laws = [law for law in dice.sample(LAWS, 4) if law != SWING.controller.law][:3]
@@ -123,7 +127,7 @@ def switched_live(rig: Rig, dice: Random, number: int) -> Trial:
 
 
 def _asked(rig: Rig, experiment: Experiment, changes: Sequence[tuple[str, ...]]) -> Trial:
-    spans = []
+    spans, began_ns = [], time.monotonic_ns()
     for chosen in changes:
         made = rig.ask("controller", "parameters", set=list(chosen))
         first = int(made["number"])
@@ -132,12 +136,10 @@ def _asked(rig: Rig, experiment: Experiment, changes: Sequence[tuple[str, ...]])
         rig.await_(partial(_reached, rig, end), "the samples after the change")
     heard = rig.observer.listen_for(SETTLED_S)
     steps = _live_steps(heard, spans, experiment.controller.tight_slew_codes)
-    mode = Mode(heard.permits[-1].body.mode).name
-    words = f"{'; '.join(', '.join(chosen) for chosen in changes)}: {_words(steps)}; {mode}"
-    whole = mode == Mode.RUNNING.name and steps.samples > 0
-    chosen_law = any("controller.law" in text for chosen in changes for text in chosen)
-    bumpless = not (chosen_law and steps.first > HELD_CODES)
-    return Trial(whole and steps.largest <= steps.limit and bumpless, words if whole else f"{words}: {rig.words()}")
+    runs = heard.permits[-1].body.mode == Mode.RUNNING
+    words = f"{_asked_words(changes)}: {_words(steps)}" + ("" if runs else f"; {rig.words()}")
+    way_mm, force_n = moved_since(heard, began_ns)
+    return Trial(runs and _continuous(steps, changes), words, moved_mm=way_mm, force_n=force_n)
 
 
 def _reached(rig: Rig, number: int) -> bool:

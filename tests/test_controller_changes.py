@@ -4,6 +4,8 @@ import math
 from itertools import pairwise
 
 import pytest
+from hypothesis import given
+from hypothesis import strategies as st
 
 from services.controller.changes import (
     FIXED,
@@ -101,6 +103,19 @@ def test_what_makes_no_sense_is_refused_in_one_line(assignment, words):
     with pytest.raises(ValueError) as refused:
         assigned(LOADED, [assignment])
     assert words in str(refused.value) and "\n" not in str(refused.value)
+
+
+PATHS = [path for path, _ in leaves(LOADED)]
+
+
+@given(st.sampled_from(["", *PATHS]), st.sampled_from(["", "="]), st.text(max_size=30))
+def test_whatever_is_asked_for_is_taken_or_refused_in_one_line(path, sign, text):
+    try:
+        after = assigned(LOADED, [path + sign + text])
+    except ValueError as refused:
+        assert "\n" not in str(refused)
+    else:
+        assert all(may_change(found.path) for found in differences(LOADED, after))
 
 
 def test_of_a_change_all_acts_or_nothing():
