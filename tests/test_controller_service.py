@@ -170,6 +170,9 @@ def test_after_the_trial_and_after_a_load_the_loaded_values_are_back():
     assert cell.controller.params != loaded
     cell.sample()
     assert cell.controller.params == loaded and cell.controller.status()["changed"] == [] and not cell.controller.parameters.busy
+    assert [event["path"] for event in cell.controller.status()["by_hand"]] == ["controller.law"]
+    cell.controller.parameters.load(cell.controller.parameters.loaded)
+    assert cell.controller.status()["by_hand"] == []
 
 
 def test_a_target_moves_sample_by_sample_and_ends_at_what_was_asked():

@@ -7,6 +7,7 @@ import pytest
 from recorder_trial import trial
 
 from services.operator.collect import Collector, GapError
+from services.operator.session import remembered_changes
 from shared.codec import Received
 from shared.messages import NO_TRIAL, GateCause, GateEvent, GateState, Mode, ParameterEvent, TripCause
 from shared.topics import BY_KEY
@@ -152,5 +153,8 @@ def test_what_was_changed_by_hand_in_this_run_is_told_and_neither_the_scheduled_
 
     told = [changed(7, 1, RUN), changed(8, 0, RUN), changed(9, 1, RUN + 1)]
     collector = Collector(Network([*MESSAGES, *told]))  # type: ignore[arg-type]
-    assert collector.changed(RUN) == ('changed by hand at sample 7: controller.law "final" -> "pi"',)
+    words = ('changed by hand at sample 7: controller.law "final" -> "pi"',)
+    assert collector.changed(RUN) == words
     assert collected().changed(RUN) == ()
+    assert remembered_changes({"controller": {"by_hand": [told[0].body._asdict()]}}) == words
+    assert remembered_changes({"plant": {}}) == remembered_changes({"controller": {}}) == ()

@@ -1,5 +1,6 @@
 """Parameters that an operator or the experiment changes while a trial runs: examined, begun at a sample, taken back after it."""
 
+from collections import deque
 from collections.abc import Iterator
 from typing import NamedTuple
 
@@ -13,6 +14,8 @@ from shared.assignments import text_of
 from shared.requests import Request
 from shared.messages import NO_TRIAL, ParameterEvent
 from shared.pose import Triple
+
+_REMEMBERED = 256
 
 
 class Loaded(NamedTuple):
@@ -42,12 +45,14 @@ class Parameters:
         self.loaded: Loaded | None = None
         self.course = Course(ControllerConfig())
         self.busy = False  # the course has moved in this trial, or will: it is to be followed
+        self.by_hand: deque[ParameterEvent] = deque(maxlen=_REMEMBERED)  # since the load
         self._wanted: Wanted | None = None  # under examination
         self._found_right: Request | None = None  # acts at the next sample
 
     def load(self, loaded: Loaded) -> None:
         """Another experiment."""
         self.loaded = loaded
+        self.by_hand.clear()
         self._begin_anew()
 
     def ask(self, request: Request, tick: int) -> None:
@@ -110,6 +115,7 @@ class Parameters:
             for path, old, new in differences(change.before, change.after)
         )
         if request is not None:
+            self.by_hand.extend(events)
             changed = [{"path": event.path, "old": event.old, "new": event.new} for event in events]
             warnings = list(preflight(change.after, self.loaded.met)) if self.loaded is not None else []
             request.reply({"number": change.first, "ramp_samples": ramp, "changed": changed, "warnings": warnings})

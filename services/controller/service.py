@@ -178,6 +178,7 @@ class Controller:
             "law": self.parameters.course.target.law,
             "target": self.config.target,
             "changed": self.parameters.changed(),
+            "by_hand": [event._asdict() for event in self.parameters.by_hand],
             "answered": self.answered,
             "experiment": self.bus.run.experiment.hex(),
             "run": self.bus.run.run,

@@ -13,13 +13,14 @@ from services.operator.cell import LOOP, CellError, TrippedError, UnqualifiedErr
 from services.operator.collect import Collector, GapError
 from services.operator.strikes import Strikes
 from services.plant.config import bias_ticks
+from services.recorder.events import change_words
 from services.recorder.trip_report import Document
 from services.recorder.trip_ring import AFTER_NS
 from shared.bus import Bus
 from shared.codec import Received, Rejected
 from shared.envelope import seal
 from shared.faults import of_group
-from shared.messages import NO_COMMAND, NO_TRIAL, Mode
+from shared.messages import NO_COMMAND, NO_TRIAL, Mode, ParameterEvent
 from shared.qualified import beyond, of_plain
 from shared.units import NS_PER_S, SUBSTEP_NS
 
@@ -186,8 +187,8 @@ def _play(
         strikes.end()
     struck = tuple(strikes.told)
     time.sleep(_WATCH_S)  # the last answers are under way
-    changed = collector.changed(run)
     found = statuses(bus)
+    changed = collector.changed(run) or remembered_changes(found)  # a message may be lost
     ticks = duration_ticks(experiment.duration_s, experiment.plant)
     if tripped := collector.trip(run):
         time.sleep(AFTER_NS / NS_PER_S)  # what comes after belongs to the report
@@ -201,6 +202,12 @@ def _play(
             None, f"the trial ended after {len(trace.tick)} of {ticks} samples", tripped, found, warnings, struck, changed
         )
     return Live(trace, "", tripped, found, warnings, struck, changed)
+
+
+def remembered_changes(found: Mapping[str, dict[str, Any]]) -> tuple[str, ...]:
+    """What the controller's status says was changed by hand since the load, in words."""
+    told = found.get("controller", {}).get("by_hand", ())
+    return tuple(change_words(ParameterEvent(**event)) for event in told)
 
 
 def _tell_trip(bus: Bus, collector: Collector, tell: Callable[[Document], object]) -> None:
