@@ -11,9 +11,9 @@ from services.controller.course import Course, at, follow, moves
 from services.controller.preflight import preflight
 from services.controller.surroundings import Surroundings
 from shared.assignments import text_of
-from shared.requests import Request
 from shared.messages import NO_TRIAL, ParameterEvent
 from shared.pose import Triple
+from shared.requests import Request
 
 _REMEMBERED = 256
 
