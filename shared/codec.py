@@ -10,6 +10,7 @@ resequencing; epoch, run and arming insertion; echo delay; cell and sender masqu
 import zlib
 from collections.abc import Callable
 from functools import cache
+from itertools import chain
 from operator import itemgetter
 from typing import Annotated, Any, NamedTuple, get_args, get_origin, get_type_hints
 
@@ -122,9 +123,9 @@ def _named(fields: Any) -> str:
     return str(found)[:MAX_NAME] if isinstance(found, int | float | str | bytes) else type(found).__name__
 
 
-def _fits(values: tuple[int, ...]) -> bool:
-    """Whether every int fits 64 bits; msgpack carries larger ones."""
-    return not values or (min(values) >= -_INT64 and max(values) < _INT64)
+def _fit(values: tuple[int, ...]) -> bool:
+    """Whether every int fits 64 bits with a sign; msgpack carries larger ones, but no smaller."""
+    return not values or max(values) < _INT64
 
 
 @cache
@@ -135,42 +136,57 @@ def _shape(message: Any) -> Callable[[Any], Any]:
     """
     hints = list(get_type_hints(message, include_extras=True).values())
     kinds = tuple(hint if isinstance(hint, type) and not hasattr(hint, "_fields") else tuple for hint in hints)
-    places = [place for place, kind in enumerate(kinds) if kind is int]
-    whole = itemgetter(*places, *places) if places else tuple  # twice, so that one place gives a tuple as well
-    inner = [(place, _inner(hint)) for place, hint in enumerate(hints) if kinds[place] is tuple]
+    arrays = [(place, *_array(hint)) for place, hint in enumerate(hints) if kinds[place] is tuple and _array(hint)]
+    inner = [(place, _inner(hint)) for place, hint in enumerate(hints) if kinds[place] is tuple and not _array(hint)]
+    lengths, leaves = tuple(length for _, _, length in arrays), tuple(kind for _, kind, length in arrays for _ in range(length))
+    rows, whole = _picked([place for place, _, _ in arrays]), _picked([i for i, kind in enumerate(kinds + leaves) if kind is int])
 
     def build(values: Any) -> Any:
-        if type(values) is not tuple or tuple(map(type, values)) != kinds or (places and not _fits(whole(values))):
+        if type(values) is not tuple or tuple(map(type, values)) != kinds:
             return None
-        made = list(values)
-        for place, check in inner:
-            made[place] = check(values[place])
-            if made[place] is None:
+        flat = values
+        if arrays:  # all of them at once: a check of each would cost ten times as much
+            found = rows(values)
+            flat += tuple(chain.from_iterable(found))
+            if tuple(map(len, found)) != lengths or tuple(map(type, flat[len(kinds) :])) != leaves:
                 return None
-        return message._make(made)
+        if not _fit(whole(flat)):
+            return None
+        return _built(message, values, inner) if inner else tuple.__new__(message, values)
 
     return build
 
 
-def _inner(hint: Any) -> Callable[[Any], Any]:
-    """Checker for a field that is a tuple or a message of its own: its value, or None."""
-    if hasattr(hint, "_fields"):
-        return _shape(hint)
-    kind, *bounds = get_args(hint) if get_origin(hint) is Annotated else (hint,)
-    length = next((bound.min_length for bound in bounds if isinstance(bound, Len)), None)
+def _picked(places: list[int]) -> Callable[[Any], tuple[Any, ...]]:
+    """The elements at `places`, as a tuple whatever their number."""
+    if len(places) > 1:
+        return itemgetter(*places)
+    return itemgetter(slice(places[0], places[0] + 1) if places else slice(0))
+
+
+def _built(message: Any, values: tuple[Any, ...], inner: list[tuple[int, Callable[[Any], Any]]]) -> Any:
+    """A message with others inside; None if one of those is not as it should be."""
+    made = list(values)
+    for place, check in inner:
+        made[place] = check(values[place])
+        if made[place] is None:
+            return None
+    return message._make(made)
+
+
+def _array(hint: Any) -> tuple[type, int] | tuple[()]:
+    """Kind and number of a field's scalars, if that number is fixed; () of any other field."""
+    if get_origin(hint) is not Annotated:
+        return ()
+    kind, *bounds = get_args(hint)
     item = get_args(kind)[0]
-    if hasattr(item, "_fields"):
-        return _messages(_shape(item))
-    only = {item}
+    length = next((bound.min_length for bound in bounds if isinstance(bound, Len)), None)
+    return () if length is None else (item, length)
 
-    def scalars(value: Any) -> Any:
-        if length is not None and len(value) != length:
-            return None
-        if value and set(map(type, value)) != only:
-            return None
-        return value if item is not int or _fits(value) else None
 
-    return scalars
+def _inner(hint: Any) -> Callable[[Any], Any]:
+    """Checker for a field that is a message, or any number of messages of one kind: its value, or None."""
+    return _shape(hint) if hasattr(hint, "_fields") else _messages(_shape(get_args(hint)[0]))
 
 
 def _messages(build: Callable[[Any], Any]) -> Callable[[Any], Any]:
