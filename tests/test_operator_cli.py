@@ -180,6 +180,17 @@ def test_view_without_a_recording_says_how_to_make_one(tmp_path: Path):
     assert "--rrd" in view.stderr
 
 
+def test_view_opens_every_file_of_a_long_recording(tmp_path: Path, monkeypatch: pytest.MonkeyPatch):
+    files = [tmp_path / name for name in ("run.rrd", "run.part2.rrd", "run.part3.rrd")]
+    for path in (*files, tmp_path / "other.rrd"):
+        path.touch()
+    opened: list[list[str]] = []
+    monkeypatch.setattr("os.execv", lambda _viewer, line: opened.append(line[1:]))
+    for path in files:
+        hydrohil("view", str(path))
+    assert opened == [[str(path) for path in files]] * 3
+
+
 def test_what_must_limit_cycle_is_warned_of_before_it_runs_and_in_the_report(tmp_path: Path):
     file = tmp_path / "r.json"
     (line,) = warnings(find("fig-5-13"))

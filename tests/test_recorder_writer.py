@@ -1,4 +1,5 @@
 import math
+from itertools import groupby
 
 import numpy as np
 import pytest
@@ -59,6 +60,45 @@ def test_a_message_that_overtakes_its_sample_waits_for_it(topic: str):
     times = placed(write(overtaken, 7), f"topic/{topic}")
     assert times == placed(write(messages, 7), f"topic/{topic}")
     assert len(times) == 100 + BIAS_TICKS
+
+
+def test_those_that_wait_for_their_sample_are_looked_at_once_a_batch(monkeypatch: pytest.MonkeyPatch):
+    looks = []
+    monkeypatch.setattr(Writer, "_flush_topic", lambda _writer, topic, everything: looks.append((topic, everything)))
+    writer = Writer(lambda _rows: None, batch_rows=10)
+    for seq in range(25):
+        writer.take(received("controller/command", Command((2048,) * 3), seq, 1000 + seq))
+    assert looks == [("controller/command", False), ("controller/command", True)]
+
+
+def test_messages_taken_together_are_written_as_those_taken_one_by_one():
+    messages = sorted(trial(60, trip_tick=40), key=lambda m: m.topic != "plant/sample")
+    written: list[Rows] = []
+    writer = Writer(written.append, 50)
+    for _, run in groupby(messages, lambda m: m.topic):
+        writer.take(*run)
+    writer.flush(everything=True)
+    for topic in ("plant/sample", "controller/command", "supervisor/permit", "plant/truth"):
+        entity = f"topic/{topic}"
+        np.testing.assert_array_equal(matrix(written, entity), matrix(write(messages), entity))
+        assert placed(written, entity) == placed(write(messages), entity)
+
+
+def test_counters_are_written_several_at_a_time_and_none_is_left_behind():
+    written: list[Rows] = []
+    writer = Writer(written.append, count_rows=3)
+    for message in trial(1, outside=2):
+        writer.take(message)
+        if isinstance(message.body, Sample):
+            writer.scalar("missing/plant/sample/plant", float(message.body.number))
+    told = len(of(written, "missing/plant/sample/plant"))
+    writer.flush()
+    assert len(of(written, "missing/plant/sample/plant")) == told  # a slow batch waits until it is full
+    writer.flush(everything=True)
+    rows = of(written, "missing/plant/sample/plant")
+    np.testing.assert_array_equal(np.concatenate([r.values[:, 0] for r in rows]), FIRST_NUMBER + np.arange(3 + BIAS_TICKS))
+    assert {len(r.values) for r in rows} <= {1, 2, 3}
+    assert all((r.times.trial_ns is None) == (r.times.samples[0] < FIRST_NUMBER + 2) for r in rows)
 
 
 def test_a_machine_with_other_channels_gets_batches_of_its_own():
@@ -126,6 +166,17 @@ def test_another_plant_counts_its_samples_anew_and_the_old_ones_are_forgotten():
     )
     written = write(first + again)
     assert len(matrix(written, "topic/plant/sample")) == 2 * (30 + BIAS_TICKS) + 10 + 20
+
+
+def test_another_plant_in_the_middle_of_what_is_taken_together_moves_no_sample_to_another_time():
+    first = [m for m in trial(10) if isinstance(m.body, Sample)]
+    again = [m._replace(header=m.header._replace(epoch=99), body=m.body._replace(trial_time_ns=7)) for m in first]
+    written: list[Rows] = []
+    writer = Writer(written.append)
+    writer.take(*first, *again)
+    writer.flush(everything=True)
+    assert placed(written, "topic/plant/sample") == placed(write(first + again), "topic/plant/sample")
+    assert len(placed(written, "topic/plant/sample")) == 2 * (10 + BIAS_TICKS)
 
 
 def test_names_are_told_once_and_again_in_the_next_recording():

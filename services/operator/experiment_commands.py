@@ -137,7 +137,9 @@ def run(
 
 @app.command()
 def view(recording: Annotated[Path | None, typer.Argument(help="A .rrd file; default: the newest in runs/.")] = None) -> None:
-    """Open a recording in the Rerun viewer."""
+    """Open a recording in the Rerun viewer, all files of a long one together."""
+    from services.recorder.parts import parts_of
+
     chosen = recording or max(_RUNS.glob("*.rrd"), key=lambda path: path.stat().st_mtime, default=None)
     if chosen is None or not chosen.exists():
         raise fail(f"no recording at {chosen or _RUNS}: run an experiment with --rrd FILE first", EXIT_USAGE)
@@ -147,7 +149,7 @@ def view(recording: Annotated[Path | None, typer.Argument(help="A .rrd file; def
     if package is None or package.origin is None:
         raise fail("the Rerun viewer is not installed: `make install`", EXIT_USAGE)
     viewer = Path(package.origin).with_name("rerun")  # itself: a signal to the script of that name would leave it behind
-    os.execv(viewer, [str(viewer), str(chosen)])
+    os.execv(viewer, [str(viewer), *map(str, parts_of(chosen))])
 
 
 def experiment_of(name: str, settings: list[str] | None, injected: list[str] | None = None) -> Any:

@@ -5,6 +5,7 @@ The figures are picked from those columns. Pure: numpy only.
 """
 
 from collections.abc import Sequence
+from itertools import chain
 from typing import Any, NamedTuple
 
 import numpy as np
@@ -55,8 +56,8 @@ def flat_rows(bodies: Sequence[Any], seqs: Sequence[int]) -> Matrix:
     """The scalars of messages of one kind, in the order of `column_names`: (n, columns). Whole numbers are exact below 2^53."""
     columns = [np.array(seqs, np.float64)[:, None]]
     for values in zip(*bodies, strict=True):  # field by field: ten times faster than message by message
-        column = np.array(values, np.float64)
-        columns.append(column if column.ndim > 1 else column[:, None])
+        scalars = chain.from_iterable(values) if isinstance(values[0], tuple) else values
+        columns.append(np.fromiter(scalars, np.float64).reshape(len(bodies), -1))
     return np.concatenate(columns, 1)
 
 

@@ -2,6 +2,8 @@
 
 from typing import NamedTuple
 
+from shared.codec import Header
+
 
 class Sequence(NamedTuple):
     """Count of one publisher's messages on one topic."""
@@ -33,6 +35,18 @@ def count(before: Sequence | None, epoch: int, seq: int) -> Counted:
         return Counted(Sequence(epoch, last, received + 1, missing, unordered + 1, restarts), 0, False)
     skipped = seq - last - 1
     return Counted(Sequence(epoch, seq, received + 1, missing + skipped, unordered, restarts), skipped, False)
+
+
+def unbroken(before: Sequence | None, headers: list[Header]) -> Sequence | None:
+    """The count after messages that follow each other without a gap; None if they must be counted one by one."""
+    if before is None:
+        return None
+    length, last = len(headers), before.last
+    if [header.seq for header in headers] != list(range(last + 1, last + 1 + length)):
+        return None
+    if {(header.sender, header.epoch) for header in headers} != {(headers[0].sender, before.epoch)}:
+        return None
+    return before._replace(last=last + length, received=before.received + length)
 
 
 def since(now: Sequence, start: Sequence | None) -> Sequence:

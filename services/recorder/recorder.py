@@ -2,12 +2,14 @@
 
 import sys
 from collections.abc import Iterable
+from itertools import groupby
+from operator import attrgetter
 from pathlib import Path
 from typing import Any, NamedTuple, Protocol
 
 from services.recorder.drawing import Drawn, draw
 from services.recorder.events import Event, gap_event, is_told, rejected_event
-from services.recorder.gaps import Counted, Sequence, count, since
+from services.recorder.gaps import Counted, Sequence, count, since, unbroken
 from services.recorder.recording import Recording
 from services.recorder.rows import Rows
 from services.recorder.scene import machine
@@ -19,8 +21,10 @@ from shared.messages import About
 from shared.qualified import UNKNOWN, Standing, plain
 from shared.units import NS_PER_S
 
-FLUSH_NS = 225_000_000  # 50 samples at 222 Hz, 225 at 1 kHz: what a batch holds, and what a kill loses
+FLUSH_NS = NS_PER_S  # what a batch holds, and what a kill loses
+FLUSH_LIVE_NS = 225_000_000  # where somebody looks on; more chunks, so that a file of the recording is shorter
 CHECK_NS = NS_PER_S  # a flush tells of a full disk
+PART_CHUNKS = 32_768  # of one file: its index is kept in memory until the file is closed, about 2 kB a chunk
 
 
 class Link(NamedTuple):
@@ -53,40 +57,58 @@ class Recorder:
         self._axis: int | None = None
         self._trips = Trips(cell, trips)
         self._told_trips: list[str] = []  # of the open recording
-        self._writer = Writer(self._emit)
+        self._flush_ns = FLUSH_NS if live is None else FLUSH_LIVE_NS
+        self._writer = Writer(self._emit) if live is None else Writer(self._emit, count_rows=1)
 
     def take(self, messages: Iterable[Received | Rejected]) -> None:
         """Everything that arrived since the last call, the samples before what answers them."""
-        writing = self._is_writing
         gaps: dict[Link, tuple[Received, Counted]] = {}
-        for message in messages:
-            if isinstance(message, Rejected):
-                self._refused(message)
-                continue
-            header = message.header
-            link = Link(message.topic, header.sender)
-            counted = count(self._links.get(link), header.epoch, header.seq)
-            self._links[link] = counted.sequence
-            if counted.skipped or counted.restarted:
-                before = gaps[link][1].skipped if link in gaps else 0
-                gaps[link] = (message, counted._replace(skipped=before + counted.skipped))
-            self._trips.take(message)
-            if writing or isinstance(message.body, About):
-                self._writer.take(message)
+        for _, run in groupby(messages, attrgetter("topic")):
+            received = []
+            for message in run:
+                if isinstance(message, Rejected):
+                    self._refused(message)
+                else:
+                    received.append(message)
+            if received:
+                self._take_run(received, gaps)
         for message, counted in gaps.values():  # one line a link and call, however many gaps
             self._tell(gap_event(message.topic, message.header, counted))
         self._lay_out()
 
+    def _take_run(self, messages: list[Received], gaps: dict[Link, tuple[Received, Counted]]) -> None:
+        """Messages of one topic: counted, kept for a trip, written."""
+        link = Link(messages[0].topic, messages[0].header.sender)
+        whole = unbroken(self._links.get(link), [message.header for message in messages])
+        if whole is not None:
+            self._links[link] = whole
+        else:
+            for message in messages:
+                self._count(message, gaps)
+        self._trips.take(*messages)
+        if self._is_writing or isinstance(messages[0].body, About):
+            self._writer.take(*messages)
+
+    def _count(self, message: Received, gaps: dict[Link, tuple[Received, Counted]]) -> None:
+        header = message.header
+        link = Link(message.topic, header.sender)
+        counted = count(self._links.get(link), header.epoch, header.seq)
+        self._links[link] = counted.sequence
+        if counted.skipped or counted.restarted:
+            before = gaps[link][1].skipped if link in gaps else 0
+            gaps[link] = (message, counted._replace(skipped=before + counted.skipped))
+
     def tick(self, now_ns: int) -> None:
         """Write batches that do not fill, look after the file, report trips."""
         self._report_trips(now_ns)
-        if now_ns - self._flushed_ns >= FLUSH_NS:
+        if now_ns - self._flushed_ns >= self._flush_ns:
             self._flushed_ns = now_ns
             self._writer.flush()
         if now_ns - self._checked_ns >= CHECK_NS:
             self._checked_ns = now_ns
             self._write_missing()
             self._check()
+            self._bound_part()
 
     def record(self, path: Path, title: str, summary: str = "", qualified: Standing = UNKNOWN) -> dict[str, Any]:
         """Open a new recording; one that is open is closed first. Raises OSError if the file cannot be created.
@@ -114,8 +136,8 @@ class Recorder:
         if recording is None:
             return {"path": "", "rows": 0, "gaps": 0, "bytes": 0, "failure": "no recording is open"}
         self._report_trips(0, at_once=True)
-        self._writer.flush(everything=True)
         self._write_missing()
+        self._writer.flush(everything=True)
         report = self._report(recording)
         parts = (summary or self._summary, self._qualified.words, counts_table(report))
         self._emit(Rows("summary", "document", None, "\n\n".join(parts)))
@@ -181,6 +203,17 @@ class Recorder:
             self._axis = axis
             self._recording.lay_out(axis)
 
+    def _bound_part(self) -> None:
+        """Go on in another file before the index of this one fills memory."""
+        recording = self._recording
+        if recording is None or recording.failure or recording.chunks < PART_CHUNKS:
+            return
+        recording.next_part()
+        self._writer.retell()
+        self._emit(Rows("summary", "document", None, self._summary))
+        if self._told_trips:
+            self._emit(Rows("trip", "document", None, "\n\n".join(self._told_trips)))
+
     def _write_missing(self) -> None:
         for link, sequence in self._counted().items():
             self._writer.scalar(f"missing/{link.topic}/{link.sender}", float(sequence.missing))
@@ -196,6 +229,7 @@ class Recorder:
             "rows": sum(self._writer.rows.values()),
             "gaps": sum(gaps.values()),
             "bytes": recording.bytes,
+            "files": [str(path) for path in recording.parts],
             "failure": recording.failure,
             "rows_by_topic": dict(self._writer.rows),
             "gaps_by_topic": gaps,

@@ -1,4 +1,4 @@
-"""One recording: a .rrd file with its layout and the arm inside. A disk that fails is reported, never waited for."""
+"""One recording: .rrd files with layout and arm inside, which open together. A disk that fails is reported, never waited for."""
 
 import contextlib
 import shutil
@@ -10,6 +10,7 @@ import rerun as rr
 
 from services.recorder.blueprint import layout
 from services.recorder.drawing import Drawn, draw, log_standing, send
+from services.recorder.parts import part, parts_of
 from services.recorder.rows import Rows
 from services.recorder.scene import DEFAULT_AXIS
 
@@ -28,30 +29,59 @@ def unused(path: Path) -> Path:
     number = 1
     while True:
         candidate = path if number == 1 else path.with_name(f"{path.stem}-{number}{path.suffix}")
-        try:
+        number += 1
+        if parts_of(candidate) not in ([], [candidate]):  # of a recording whose first file is gone
+            continue
+        with contextlib.suppress(FileExistsError):
             candidate.open("xb").close()
             return candidate
-        except FileExistsError:
-            number += 1
 
 
 class Recording:
-    """A file being written. Never truncates an existing one. `failure` says why it stopped growing; "" = it grows."""
+    """Files being written. Never truncates an existing one. `failure` says why they stopped growing; "" = they grow."""
 
     def __init__(self, path: Path, title: str, force_axis: int = DEFAULT_AXIS) -> None:
-        """Create the file; raises OSError if there is no place for it. A disk already full is a `failure`."""
+        """Create the first file; raises OSError if there is no place for it. A disk already full is a `failure`."""
         self.path = unused(path)
+        self.parts = [self.path]
         self.rows = 0
+        self.chunks = 0  # of the file that is open
         self.failure = ""
+        self._title, self._axis = title, force_axis
+        self._properties: dict[str, dict[str, object]] = {}
+        self._id = str(uuid.uuid4())
+        self._open()
+
+    def _open(self) -> None:
+        self.chunks = 0
         self._stream = rr.RecordingStream(
-            APPLICATION, recording_id=str(uuid.uuid4()), batcher_config=rr.ChunkBatcherConfig(flush_tick=FLUSH_TICK_S)
+            APPLICATION,
+            recording_id=self._id,
+            send_properties=len(self.parts) == 1,  # the start is that of the first
+            batcher_config=rr.ChunkBatcherConfig(flush_tick=FLUSH_TICK_S),
         )
         try:
-            self._stream.save(self.path, default_blueprint=layout(force_axis))
-            self._stream.send_recording_name(title)
+            self._stream.save(self.parts[-1], default_blueprint=layout(self._axis))
+            self._stream.send_recording_name(self._title)
             log_standing(self._stream)
+            for name, values in self._properties.items():
+                self._stream.send_property(name, rr.AnyValues(**values))
         except (RuntimeError, OSError) as error:
             self._fail(error)
+
+    def next_part(self) -> None:
+        """Close the file with its footer, which frees its index, and go on in the next of the same recording."""
+        if self.check():
+            return
+        path = part(self.path, len(self.parts) + 1)
+        try:
+            path.open("xb").close()
+        except OSError as error:
+            self._fail(error)
+            return
+        self._stream.disconnect()
+        self.parts.append(path)
+        self._open()
 
     def __enter__(self) -> "Recording":
         """Open since it was made."""
@@ -72,16 +102,19 @@ class Recording:
         try:
             send(self._stream, drawn)
             self.rows += drawn.rows
+            self.chunks += 1
         except (RuntimeError, OSError) as error:
             self._fail(error)
 
     def lay_out(self, force_axis: int) -> None:
         """Another layout, once it is known how the force gauge is mounted."""
+        self._axis = force_axis
         with contextlib.suppress(RuntimeError):
             self._stream.send_blueprint(layout(force_axis))
 
     def describe(self, name: str, **values: object) -> None:
         """A property of the whole recording: a column of a catalogue of trials."""
+        self._properties[name] = values
         if not self.failure:
             self._stream.send_property(name, rr.AnyValues(**values))
 
@@ -97,8 +130,8 @@ class Recording:
 
     @property
     def bytes(self) -> int:
-        """Size of the file."""
-        return self.path.stat().st_size if self.path.exists() else 0
+        """Size of all files."""
+        return sum(path.stat().st_size for path in self.parts if path.exists())
 
     def close(self) -> None:
         """Write what is left and the footer."""

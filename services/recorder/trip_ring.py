@@ -16,6 +16,7 @@ AFTER_NS = NS_PER_S // 2  # after it: the zero, and the machine's coming to rest
 PATIENCE_NS = NS_PER_S  # by the receiver's clock: a plant that is gone sends nothing after it
 _CHANGES = 256  # of a trial's parameters: the newest
 _DEEPEST = 16_384  # messages a topic, whatever their times say: 10 s at 1 kHz, and what comes after
+_JUDGED = (Sample, Permit, GateEvent)  # one by one; of the rest nothing is asked
 
 
 class Caught(NamedTuple):
@@ -42,28 +43,44 @@ class TripRing:
         self._tripped_ns: tuple[int, int] | None = None  # sample time and arrival of the trip that waits
         self._done: list[Caught] = []
 
-    def take(self, message: Received) -> None:
-        """One message."""
+    def take(self, *messages: Received) -> None:
+        """Messages of one topic."""
+        kind = type(messages[0].body)
+        if kind is About or kind is Reception:
+            self._describe(messages[-1])
+        elif kind is ParameterEvent:
+            self._changes.extend(message.body for message in messages if message.body.by_hand)
+        elif kind in _JUDGED:
+            for message in messages:
+                self._take(message)
+        else:
+            self._ring(messages[0].topic).extend(messages)
+            self._forget(messages[0].topic)
+
+    def _describe(self, message: Received) -> None:
+        if isinstance(message.body, About):
+            self.about = message.body
+        else:
+            self._receptions[message.header.sender] = message.body
+
+    def _take(self, message: Received) -> None:
         body = message.body
-        if isinstance(body, About):
-            self.about = body
-            return
-        if isinstance(body, Reception):
-            self._receptions[message.header.sender] = body
-            return
-        if isinstance(body, ParameterEvent):
-            self._changes.extend([body] * body.by_hand)
-            return
         if isinstance(body, Sample):
             self._follow(message)
         elif isinstance(body, Permit):
             self._judge(message, body)
             if body.mode == Mode.DISARMED and self._tripped_ns is None:
                 self._changes.clear()
-        ring = self._rings.setdefault(message.topic, deque(maxlen=_DEEPEST))
-        ring.append(message)
+        self._ring(message.topic).append(message)
         if isinstance(body, GateEvent) and body.state == GateState.BURNED and body.cause != GateCause.BURNED_ARMING:
             self._trip(message)
+        self._forget(message.topic)
+
+    def _ring(self, topic: str) -> deque[Received]:
+        return self._rings.setdefault(topic, deque(maxlen=_DEEPEST))
+
+    def _forget(self, topic: str) -> None:
+        ring = self._rings[topic]
         oldest_ns = (self._newest_ns if self._tripped_ns is None else self._tripped_ns[0]) - KEPT_NS - _SLACK_NS
         while ring and ring[0].header.echo_time_ns < oldest_ns:
             ring.popleft()

@@ -37,9 +37,9 @@ class Trips:
         self._files = TripFiles(folder) if folder is not None else None
         self._last: Document | None = None
 
-    def take(self, message: Received) -> None:
-        """One message, whether or not a recording is open."""
-        self._ring.take(message)
+    def take(self, *messages: Received) -> None:
+        """Messages of one topic, whether or not a recording is open."""
+        self._ring.take(*messages)
 
     def reports(self, now_ns: int, counters: dict[str, Any], *, at_once: bool = False) -> list[Document]:
         """Trips that are complete by now, each handed to the writing thread."""

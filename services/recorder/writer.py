@@ -1,6 +1,6 @@
 """Messages in, rows out: batches per topic, placed at their samples, with figures, lanes, scene and events."""
 
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from typing import Any, NamedTuple
 
 import numpy as np
@@ -36,8 +36,10 @@ from shared.messages import (
 )
 from shared.timeliness import answered_in_time
 
-BATCH_ROWS = 256  # a batch is a chunk of the file with about 1 kB around it; `flush` comes earlier at slow rates
+BATCH_ROWS = 1024  # a batch is a chunk of the file, with about 1 kB around it and 2 kB of index in memory; `flush` comes earlier
+COUNT_ROWS = 10  # counters are told once a second; what is counted is in the recorder's answers at once
 ANSWER_LATENCY = "figure/latency/answer"
+_WITHOUT_ROWS = (About, Reception, FaultEvent, ParameterEvent)
 
 
 class Run(NamedTuple):
@@ -54,11 +56,12 @@ class Run(NamedTuple):
 class Writer:
     """Turns what arrived into rows for `emit`. Knows one plant at a time."""
 
-    def __init__(self, emit: Callable[[Rows], None], batch_rows: int = BATCH_ROWS) -> None:
+    def __init__(self, emit: Callable[[Rows], None], batch_rows: int = BATCH_ROWS, count_rows: int = COUNT_ROWS) -> None:
         """Nothing waits, no plant is known."""
         self._emit = emit
-        self._batch_rows = batch_rows
+        self._batch_rows, self._count_rows = batch_rows, count_rows
         self._waiting: dict[str, list[Received]] = {}
+        self._counters: dict[str, list[tuple[Place, tuple[float, ...]]]] = {}  # rows that wait, by entity
         self._counts: dict[tuple[str, str], InboxCounts] = {}  # receiver and topic: what was told last
         self._places = Places()
         self._plant_epoch: int | None = None
@@ -68,52 +71,53 @@ class Writer:
         self.begin()
 
     def begin(self) -> None:
-        """A new recording begins: everything waiting goes out, then names and lanes are told again."""
+        """A new recording begins: everything waiting goes out, then names, lanes and modes are told again."""
         self.flush(everything=True)
-        self._named: dict[str, tuple[str, ...]] = {}
-        self._lane: dict[tuple[str, bool], float] = {}
         self._permit: Permit | None = None
         self._arming = 0
         self.rows = {}
+        self.retell()
+
+    def retell(self) -> None:
+        """Another file begins: what a reader of it alone must know is told again, with the next rows."""
+        self._named: dict[str, tuple[str, ...]] = {}
+        self._lane: dict[tuple[str, bool], float] = {}
         if self.about is not None:
             self._describe(self.about)
 
-    def take(self, message: Received) -> None:
-        """One message."""
-        body = message.body
-        if isinstance(body, About):
-            if body != self.about:  # the plant repeats it for those who join late
-                self.about = body
-                self._describe(body)
-            self.rows[message.topic] = self.rows.get(message.topic, 0) + 1
+    def take(self, *messages: Received) -> None:
+        """Messages of one topic."""
+        topic, kind = messages[0].topic, type(messages[0].body)
+        if kind in _WITHOUT_ROWS:
+            self.rows[topic] = self.rows.get(topic, 0) + len(messages)
+            for message in messages:
+                self._tell_rare(message)
             return
-        if isinstance(body, Reception | FaultEvent | ParameterEvent):
-            if isinstance(body, Reception):
-                self._tell_reception(message)
-            elif isinstance(body, ParameterEvent):
-                self.tell(parameter_event(body), self._places.at(body.number))
-            else:
-                self.tell(fault_event(body, message.header.sender), self._places.at(body.number))
-            self.rows[message.topic] = self.rows.get(message.topic, 0) + 1
+        if kind is Sample:
+            for message in messages:  # one by one: where another plant begins, what waits is written first
+                self._take_sample(message)
+                self._wait(topic, (message,))
             return
-        if isinstance(body, Sample):
-            self._follow_plant(message.header.epoch)
-            place = self._places.add(body, message.arrival_ns)
-            self._late = 0 if body.tick <= 0 or answered_in_time(body) else self._late + 1
-            event = late_event(self._late, body.number)
-            if event is not None:
-                self.tell(event, place)
-        elif isinstance(body, Permit):
-            self._tell_permit(message)
-        waiting = self._waiting.setdefault(message.topic, [])
-        waiting.append(message)
-        if len(waiting) >= self._batch_rows:
-            self._flush_topic(message.topic, everything=len(waiting) >= 2 * self._batch_rows)
+        if kind is Permit:
+            for message in messages:
+                self._tell_permit(message)
+        self._wait(topic, messages)
+
+    def _wait(self, topic: str, messages: Sequence[Received]) -> None:
+        """Until a batch is full. Those that wait for their sample are looked at once a batch, not at each that comes."""
+        waiting = self._waiting.setdefault(topic, [])
+        batches = len(waiting) // self._batch_rows
+        waiting.extend(messages)
+        if len(waiting) // self._batch_rows > batches:
+            self._flush_topic(topic, everything=len(waiting) >= 2 * self._batch_rows)
 
     def flush(self, everything: bool = False) -> None:
         """Write what waits; rows whose sample has not come yet go on waiting unless `everything`."""
         for topic in list(self._waiting):
             self._flush_topic(topic, everything)
+        if everything:
+            for entity in list(self._counters):
+                self._write_counter(entity)
 
     def tell(self, event: Event, place: Place | None = None) -> None:
         """Write a line to the event log, at the newest sample unless a place is given."""
@@ -122,7 +126,42 @@ class Writer:
 
     def scalar(self, entity: str, value: float) -> None:
         """Write one number at the newest sample."""
-        self._emit(Rows(entity, "scalars", times_of([self._places.newest]), np.array([[value]])))
+        self._count(entity, self._places.newest, (value,))
+
+    def _count(self, entity: str, place: Place, values: tuple[float, ...]) -> None:
+        """A row of counters; several make a batch."""
+        rows = self._counters.setdefault(entity, [])
+        rows.append((place, values))
+        if len(rows) >= self._count_rows:
+            self._write_counter(entity)
+
+    def _write_counter(self, entity: str) -> None:
+        rows = self._counters.pop(entity)
+        for part in alike([place.trial_time_ns is None for place, _ in rows]):
+            places, values = zip(*rows[part], strict=True)
+            self._emit(Rows(entity, "scalars", times_of(list(places)), np.array(values, np.float64)))
+
+    def _tell_rare(self, message: Received) -> None:
+        """What is told in words or in counters, not as rows of its topic."""
+        body = message.body
+        if isinstance(body, Reception):
+            self._tell_reception(message)
+        elif isinstance(body, FaultEvent):
+            self.tell(fault_event(body, message.header.sender), self._places.at(body.number))
+        elif isinstance(body, ParameterEvent):
+            self.tell(parameter_event(body), self._places.at(body.number))
+        elif body != self.about:  # the plant repeats it for those who join late
+            self.about = body
+            self._describe(body)
+
+    def _take_sample(self, message: Received) -> None:
+        body = message.body
+        self._follow_plant(message.header.epoch)
+        place = self._places.add(body, message.arrival_ns)
+        self._late = 0 if body.tick <= 0 or answered_in_time(body) else self._late + 1
+        event = late_event(self._late, body.number)
+        if event is not None:
+            self.tell(event, place)
 
     def _describe(self, about: About) -> None:
         lines = "\n".join(f"| {field} | {value} |" for field, value in about._asdict().items() if not isinstance(value, tuple))
@@ -156,7 +195,7 @@ class Writer:
             if self._named.get(entity) != COUNT_NAMES:
                 self._named[entity] = COUNT_NAMES
                 self._emit(Rows(entity, "names", None, COUNT_NAMES))
-            self._emit(Rows(entity, "scalars", times_of([place]), np.array([now[1:]], np.float64)))
+            self._count(entity, place, now[1:])
             event = reception_event(receiver, self._counts.get((receiver, now.topic)), now)
             self._counts[receiver, now.topic] = now
             if event is not None:
