@@ -111,7 +111,7 @@ def main() -> int:
         found = cells.statuses(bus)
         recorded = cells.ask(bus, "recorder", "finish", 60.0, summary_markdown="# soak")
         result |= {"counters": found["plant"]["counters"], "lease_ms": found["plant"]["lease_ms"]}
-        result |= {"words": found["supervisor"]["words"], "gaps": recorded["gaps"], "file_mb": file.stat().st_size / BYTES_PER_MB}
+        result |= {"words": found["supervisor"]["words"], "gaps": recorded["gaps"], "file_mb": recorded["bytes"] / BYTES_PER_MB}
     return report(given, experiment, result)
 
 
