@@ -24,16 +24,11 @@ from shared.units import NS_PER_S, SUBSTEP_NS
 PERCENTILES = ("p50", "p99", "max")
 
 
-def substeps(given: Any) -> int:
-    """The sampling period that is nearest to the wanted rate."""
-    return round(NS_PER_S / (given.rate_hz * SUBSTEP_NS))
-
-
 def run(place: cells.Place, given: Any) -> dict[str, Any]:
     """The real run through the command line: counters of the plant."""
     with tempfile.TemporaryDirectory() as folder:
         report = Path(folder) / "report.json"
-        changed = [word for setting in settings(given.seconds, substeps(given)) for word in ("--set", setting)]
+        changed = [word for setting in settings(given.seconds, rig.substeps(given.rate_hz)) for word in ("--set", setting)]
         ended = rig.hydrohil("run", EXPERIMENT, *changed, "--json", str(report), place=place)
         if not report.exists():
             raise SystemExit(f"the run did not complete: {ended.stderr.strip()}")
@@ -57,7 +52,7 @@ def main() -> int:
     line.add_argument("--baseline-s", type=float, default=10.0, help="of each baseline, before and after (10)")
     line.add_argument("--no-realtime", action="store_true", help="normal scheduling")
     given = line.parse_args()
-    plant = trial_of(given.seconds, substeps(given)).plant
+    plant = trial_of(given.seconds, rig.substeps(given.rate_hz)).plant
     period_ns = plant.sample_period_substeps * SUBSTEP_NS
     place = rig.place_of(given)
     with rig.console.status("baselines, before"):

@@ -19,6 +19,7 @@ from services.operator import cell as cells
 from shared.bus import Bus
 from shared.kernel import source_version
 from shared.topics import SERVICES
+from shared.units import SUBSTEP_S
 
 FIRST_PORT, LAST_PORT = 20_000, 30_000  # below the ports that the kernel hands out
 console = Console(width=None if sys.stdout.isatty() else 120, highlight=False)
@@ -35,6 +36,11 @@ def parser(description: str | None) -> argparse.ArgumentParser:
 def place_of(given: argparse.Namespace) -> cells.Place:
     """A cell that nobody else has."""
     return cells.Place(f"bench-{os.getpid()}", given.port or random.randrange(FIRST_PORT, LAST_PORT, 4))
+
+
+def substeps(rate_hz: float) -> int:
+    """The sampling period that is nearest to the wanted rate."""
+    return round(1.0 / (rate_hz * SUBSTEP_S))
 
 
 def services_options(*, realtime: bool = True, permit_ttl_ms: float | None = None) -> dict[str, list[str]]:

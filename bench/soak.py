@@ -12,37 +12,22 @@ from typing import Any
 
 import numpy as np
 import rig
+from load import begin
 
 from experiments.experiment import Experiment
-from experiments.library import find
-from experiments.overrides import with_overrides
+from qualification.loop import trial_of
 from services.operator import cell as cells
-from services.operator.session import arm, load
 from shared.bus import Bus
 from shared.codec import Received
 from shared.messages import NO_TRIAL, Mode
 from shared.units import SUBSTEP_S
 
-EXPERIMENT = "fig-4-25"
 RING = 1 << 14  # frames between two looks
 LOOK_S = 0.5
 READ_S = 5.0
 SILENT_S = 5.0  # without a sample the soak is over
 BYTES_PER_MB = 1 << 20
 BYTES_PER_KB = 1 << 10
-
-
-def swing(seconds: float, rate_hz: float) -> Experiment:
-    """The sine for as long as wanted, at the wanted rate."""
-    settings = [
-        f"duration_s={seconds}",
-        f"reference.0.duration_s={seconds}",
-        "reference.0.amount_end=0.0",
-        "claims=[]",
-        f"plant.sample_period_substeps={round(1.0 / (rate_hz * SUBSTEP_S))}",
-        "plant.jitter_substeps=0",
-    ]
-    return with_overrides(find(EXPERIMENT), settings)
 
 
 def resident_bytes(pid: int) -> int:
@@ -57,9 +42,7 @@ def resident_bytes(pid: int) -> int:
 def soak(bus: Bus, processes: cells.Processes, experiment: Experiment) -> dict[str, Any]:
     """Watch one trial to its end."""
     samples, permits = bus.subscribe("plant/sample", RING), bus.subscribe("supervisor/permit", RING)
-    load(bus, experiment, 0, "real", unqualified=True)
-    arm(bus)
-    cells.ask(bus, "supervisor", "start")
+    begin(bus, experiment, "real")
     memory: dict[str, list[tuple[float, int]]] = {name: [] for name in processes}
     began, heard, read, seen, tick, tripped = time.monotonic(), time.monotonic(), 0.0, 0, 0, False
     with rig.console.status("") as status:
@@ -102,7 +85,7 @@ def main() -> int:
     line.add_argument("--permit-ttl-ms", type=float, help="lease (chosen by the plant)")
     line.add_argument("--no-realtime", action="store_true", help="normal scheduling")
     given = line.parse_args()
-    experiment, place = swing(given.minutes * 60.0, given.rate_hz), rig.place_of(given)
+    experiment, place = trial_of(given.minutes * 60.0, rig.substeps(given.rate_hz)), rig.place_of(given)
     extra = rig.services_options(realtime=not given.no_realtime, permit_ttl_ms=given.permit_ttl_ms)
     with tempfile.TemporaryDirectory() as folder, rig.running(place, extra) as (bus, processes):
         file = Path(folder) / "soak.rrd"

@@ -1,0 +1,37 @@
+"""What benches share that put a load on live cells: a trial begun, whether it goes on, and the processor time of processes."""
+
+import os
+import time
+from collections.abc import Iterable
+from pathlib import Path
+
+from experiments.experiment import Experiment
+from services.operator import cell as cells
+from services.operator.session import arm, load
+from shared.bus import Bus
+from shared.messages import Mode
+
+TICK_S = 1.0 / os.sysconf("SC_CLK_TCK")
+_LOOK_S = 0.1  # so seldom that looking costs the trial nothing
+
+
+def processor_s(pids: Iterable[int]) -> float:
+    """Processor time that processes have used so far, all threads."""
+    used = 0
+    for pid in pids:
+        fields = Path(f"/proc/{pid}/stat").read_text().rsplit(")", 1)[1].split()
+        used += int(fields[11]) + int(fields[12])
+    return used * TICK_S
+
+
+def begin(bus: Bus, experiment: Experiment, clock: str) -> None:
+    """Load, arm, start."""
+    load(bus, experiment, 0, clock, unqualified=True)
+    arm(bus)
+    cells.ask(bus, "supervisor", "start")
+
+
+def goes_on(bus: Bus) -> bool:
+    """Whether the trial does."""
+    time.sleep(_LOOK_S)
+    return bool(cells.statuses(bus, ("supervisor",)).get("supervisor", {}).get("mode") == Mode.RUNNING.name)
