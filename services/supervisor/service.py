@@ -4,14 +4,15 @@ import gc
 import os
 import time
 from collections.abc import Callable
-from itertools import takewhile
 from typing import Any
 
+from services.supervisor.agreement import Declared, disagreement
 from services.supervisor.answers import quality
 from services.supervisor.config import SupervisorConfig
+from services.supervisor.in_step import InStep
 from services.supervisor.modes import ARMED, DISARMED, RUNNING, TRIPPED, Event
 from services.supervisor.observe import Links
-from services.supervisor.params import below_gate, supervisor_params
+from services.supervisor.params import supervisor_params
 from services.supervisor.rules import trip_words
 from services.supervisor.step import Asked, SupervisorMemory, supervisor_step
 from shared.bus import Bus, Run, same_run
@@ -62,9 +63,7 @@ class Supervisor:
         self.samples, self.abouts = bus.subscribe("plant/sample"), bus.subscribe("plant/about")
         self.states = bus.subscribe("controller/state")
         self._inboxes = (self.samples, self.states, self.abouts)
-        self._passed = bus.subscribe("controller/passed")
-        self._silent = NO_COMMAND  # newest sample that a fault kept from the controller
-        self._waiting: list[Received] = []  # samples, in lockstep, for the controller's state before them
+        self._in_step = InStep(bus, self.states)
         self.memory = SupervisorMemory()
         self.about: About | None = None
         self.envelope: Envelope | None = None
@@ -91,7 +90,7 @@ class Supervisor:
         for message in self.states.take():
             self.controller = message
             self.states.acceptance.other_run += not same_run(message.header, self.bus.run)
-        messages, passages = self._due(self.samples.take()), self.samples.passages()
+        messages, passages = self._in_step.due(self.samples.take()), self.samples.passages()
         for passage in passages:
             self._judge_silence(passage)
         for message in messages:
@@ -104,20 +103,6 @@ class Supervisor:
             self._serve(request)
         if not messages:
             self._judge_absence()
-
-    def _due(self, coming: list[Received]) -> list[Received]:
-        """Samples to judge now. Verdict n is a function of the controller's state n - 1: in lockstep, sample n waits for it."""
-        self._waiting += coming
-        passed = (message.body.number for message in self._passed.take() if same_run(message.header, self.bus.run))
-        self._silent = max(self._silent, *passed, NO_COMMAND)
-        heard = max(self.states.number, self.states.arrived(), self._silent)  # what a fault has, or took before, comes no more
-        due = list(takewhile(lambda message: message.body.number - 1 <= heard or not self._in_step(message), self._waiting))
-        self._waiting = self._waiting[len(due) :]
-        return due
-
-    def _in_step(self, sample: Received) -> bool:
-        """Whether the plant waited, at the sample before, until the controller had answered."""
-        return self._lockstep and self.envelope is not None and sample.body.tick > -self.envelope.bias_ticks
 
     def _patience_s(self) -> float:
         """How long to wait for a sample before its absence is judged."""
@@ -162,7 +147,7 @@ class Supervisor:
         self.faults.spend()
         event, request = self.asked.pop(0) if self.asked else (Event.NOTHING, None)
         ready = self.controller is not None and self.controller.body.ready == 1
-        asked = Asked(int(event), self._drawn, self._agreed(message), ready, stale_ns, self._links(message))
+        asked = Asked(int(event), self._drawn, self._disagreement(message) == "", ready, stale_ns, self._links(message))
         before = self.memory
         self.memory, self.permit = supervisor_step(self.memory, self.params, message.body, asked)
         if self.memory.arming not in (0, before.arming):
@@ -198,17 +183,11 @@ class Supervisor:
     def _lockstep(self) -> bool:
         return self.envelope is not None and self.envelope.clock == "lockstep"
 
-    def _agreed(self, message: Received) -> bool:
-        """Plant and controller report the loaded experiment and run, and the gate's limit stands above."""
-        return (
-            self.envelope is not None
-            and self.about is not None
-            and self.about.permit_ttl_ns > 0
-            and below_gate(self.config, self.about)
-            and self.controller is not None
-            and all(same_run(m.header, self.bus.run) for m in (message, self.controller))
-            and not self._beyond_signed()
-        )
+    def _disagreement(self, message: Received) -> str:
+        """Why the services do not agree, "" if they do."""
+        controller = None if self.controller is None else self.controller.header
+        declared = (self.envelope, self.config, self.about, self.bus.run, message.header, controller, self._beyond_signed())
+        return disagreement(Declared(*declared))
 
     def _beyond_signed(self) -> str:
         """Why the loaded rate is above what this host is signed for; "" where it is not, or time does not pass by the wall."""
@@ -227,24 +206,7 @@ class Supervisor:
             return "the emergency stop is pressed; when the reason is gone: `hydrohil reset` (it releases gate and supervisor)"
         if self.memory.mode == TRIPPED:
             return f"{self.trip_words()}; the cause must be gone, then `hydrohil reset`"
-        if not self._agreed(message):
-            return self._disagreement(message)
-        return "see `hydrohil status`"
-
-    def _disagreement(self, message: Received) -> str:
-        """Which of the conditions for arming does not hold."""
-        if self.envelope is None:
-            return "no experiment is loaded (`hydrohil run NAME` loads one)"
-        if self.controller is None:
-            return "no controller has answered a sample: start it (`hydrohil controller`)"
-        if self.about is None or not self.about.permit_ttl_ns:
-            return "the plant still measures this host to choose its lease: wait two seconds"
-        if not below_gate(self.config, self.about):
-            return f"force limit, bias and noise do not stay below the gate's {self.about.gate_force_limit_n:g} N"
-        for name, header in (("plant", message.header), ("controller", self.controller.header)):
-            if not same_run(header, self.bus.run):
-                return f"the {name} has another experiment or run loaded: load again"
-        return self._beyond_signed() or "not every service agrees yet: try again"
+        return self._disagreement(message) or "see `hydrohil status`"
 
     def _warnings(self) -> list[str]:
         """What is borne, and should be known: the lease decides when it is not borne any more."""
@@ -307,7 +269,7 @@ class Supervisor:
         except ValueError as error:
             return request.refuse(str(error))
         self.envelope, self.config, self.unqualified = envelope, config, unqualified
-        self._waiting, self._silent = [], NO_COMMAND
+        self._in_step.begin(-envelope.bias_ticks if self._lockstep else None)
         self._prepare()
         self.bus.run = Run(envelope.run, envelope.digest, 0)
         self.bus.impair(conditions)
