@@ -23,8 +23,8 @@ def slide(speed_rad_per_s: float, inertia_kg_m2: float, load_nm: float, limit_nm
     """
     momentum = inertia_kg_m2 * speed_rad_per_s + step_s * load_nm
     taken = step_s * limit_nm
-    if momentum > taken:
+    if abs(momentum) <= taken:
+        return 0.0
+    if momentum > 0.0:
         return (momentum - taken) / inertia_kg_m2
-    if momentum < -taken:
-        return (momentum + taken) / inertia_kg_m2
-    return momentum - momentum  # zero, and a NaN stays one
+    return (momentum + taken) / inertia_kg_m2  # a NaN stays one

@@ -5,7 +5,7 @@ from typing import NamedTuple
 from services.plant.contact import ContactState, contact_start, contact_step
 from services.plant.friction import friction_limit, slide
 from services.plant.hydraulics import LinkState, chamber_step, port_area, port_flows, spool_step
-from services.plant.mechanism import Triple, gravity_loads, inertias, motion_loads, posture, tip, tip_loads
+from services.plant.mechanism import Triple, gravity_loads, inertias, motion_loads, posture, posture_after, tip, tip_loads
 from services.plant.params import AXIS_X, ContactParams, LinkParams, MachineParams
 from services.plant.sensors import encoder_counts, gauge_counts
 from shared.converters import code_to_current
@@ -67,8 +67,22 @@ def link_step(
     limit_nm = friction_limit(link, state.qd_rad_per_s)
     speed = slide(state.qd_rad_per_s, inertia_kg_m2, drive_nm, limit_nm, step_s)
     moved_rad = state.q_rad + step_s * speed
-    q_rad = within(moved_rad, link.travel_low_rad, link.travel_high_rad)
-    return LinkState(q_rad, speed if moved_rad == q_rad else 0.0, spool_a, a_pa, b_pa)
+    return LinkState(moved_rad, speed, spool_a, a_pa, b_pa)
+
+
+@kernel
+def inside(state: LinkState, link: LinkParams) -> bool:
+    """Whether the link is inside its travel; a NaN is not."""
+    return link.travel_low_rad <= state.q_rad <= link.travel_high_rad
+
+
+@kernel
+def stopped(state: LinkState, link: LinkParams) -> LinkState:
+    """The link inside its travel: a stop absorbs the speed of one that met it."""
+    if inside(state, link):
+        return state
+    q_rad = within(state.q_rad, link.travel_low_rad, link.travel_high_rad)
+    return LinkState(q_rad, 0.0, state.spool_a, state.pressure_a_pa, state.pressure_b_pa)
 
 
 @kernel
@@ -85,8 +99,11 @@ def advance_by(
     second = link_of(state, machine.down_up, 1)
     third = link_of(state, machine.out_in, 2)
     touch = state.contact
+    at_rad = (first.q_rad, second.q_rad, third.q_rad)
+    arm = posture(machine, at_rad)
     for _ in range(substeps):
-        arm = posture(machine, (first.q_rad, second.q_rad, third.q_rad))
+        before_rad, at_rad = at_rad, (first.q_rad, second.q_rad, third.q_rad)
+        arm = posture_after(arm, machine, before_rad, at_rad)
         touch = contact_step(touch, contact, machine, tip(arm), step_s)
         push_n = contact.force_sign * touch.force_n
         along_x = contact.force_axis == AXIS_X
@@ -98,6 +115,8 @@ def advance_by(
         first = link_step(first, machine.rotate, machine, currents_a[0], load_1, inertia[0], step_s)
         second = link_step(second, machine.down_up, machine, currents_a[1], load_2, inertia[1], step_s)
         third = link_step(third, machine.out_in, machine, currents_a[2], load_3, inertia[2], step_s)
+        if not (inside(first, machine.rotate) and inside(second, machine.down_up) and inside(third, machine.out_in)):
+            first, second, third = stopped(first, machine.rotate), stopped(second, machine.down_up), stopped(third, machine.out_in)
     return MachineState(
         (first.q_rad, second.q_rad, third.q_rad),
         (first.qd_rad_per_s, second.qd_rad_per_s, third.qd_rad_per_s),

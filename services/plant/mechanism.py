@@ -28,18 +28,27 @@ class Posture(NamedTuple):
 @kernel
 def posture(machine: MachineParams, q_rad: Triple) -> Posture:
     """d3' = q3 + d - a4 sin q4, a2' = a2 - a4 cos q4;  r = d3' c2 + a2' s2, z = -d3' s2 + a2' c2  (Appendix F, qtox)."""
-    d3_m = q_rad[2] + machine.d3_offset_m - machine.a4_m * math.sin(machine.q4_rad)
+    turned = math.cos(q_rad[0]), math.sin(q_rad[0]), math.cos(q_rad[1]), math.sin(q_rad[1])
+    return _posed(machine, turned, q_rad[2])
+
+
+@kernel
+def posture_after(arm: Posture, machine: MachineParams, before_rad: Triple, q_rad: Triple) -> Posture:
+    """`posture` at `q_rad`, given that at `before_rad`: a link that stands exactly keeps its sines."""
+    c1, s1, c2, s2 = arm.cos_1, arm.sin_1, arm.cos_2, arm.sin_2
+    if q_rad[0] != before_rad[0]:
+        c1, s1 = math.cos(q_rad[0]), math.sin(q_rad[0])
+    if q_rad[1] != before_rad[1]:
+        c2, s2 = math.cos(q_rad[1]), math.sin(q_rad[1])
+    return _posed(machine, (c1, s1, c2, s2), q_rad[2])
+
+
+@kernel
+def _posed(machine: MachineParams, turned: tuple[float, float, float, float], q3_m: float) -> Posture:
+    c1, s1, c2, s2 = turned
+    d3_m = q3_m + machine.d3_offset_m - machine.a4_m * math.sin(machine.q4_rad)
     a2_m = machine.a2_m - machine.a4_m * math.cos(machine.q4_rad)
-    c2, s2 = math.cos(q_rad[1]), math.sin(q_rad[1])
-    return Posture(
-        math.cos(q_rad[0]),
-        math.sin(q_rad[0]),
-        c2,
-        s2,
-        d3_m * c2 + a2_m * s2,
-        -d3_m * s2 + a2_m * c2,
-        d3_m - machine.boom_centre_m,
-    )
+    return Posture(c1, s1, c2, s2, d3_m * c2 + a2_m * s2, -d3_m * s2 + a2_m * c2, d3_m - machine.boom_centre_m)
 
 
 @kernel
