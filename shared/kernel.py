@@ -78,7 +78,7 @@ def compiled(function: Function) -> Function:
     from numba.extending import register_jitable
 
     for marked in _marked[_registered:]:
-        register_jitable(marked)
+        register_jitable(forceinline=True)(marked)
     sys.setrecursionlimit(max(sys.getrecursionlimit(), RECURSION))
     _registered = len(_marked)
     made: Function = numba.njit(cache=True, error_model="python")(function)
