@@ -70,7 +70,11 @@ def _point_cache_at_sources() -> None:
 
 
 def compiled(function: Function) -> Function:
-    """`function` as machine code. Call it after every module whose kernels it uses has been imported."""
+    """`function` as machine code. Call it after every module whose kernels it uses has been imported.
+
+    What it calls is inlined: passed on to a function of its own, the tuples of state and parameters are up to a hundred numbers
+    that go over the stack at every call.
+    """
     global _registered
     if not _registered:
         _point_cache_at_sources()
@@ -78,7 +82,7 @@ def compiled(function: Function) -> Function:
     from numba.extending import register_jitable
 
     for marked in _marked[_registered:]:
-        register_jitable(forceinline=True)(marked)
+        register_jitable(forceinline=True, no_cfunc_wrapper=True)(marked)
     sys.setrecursionlimit(max(sys.getrecursionlimit(), RECURSION))
     _registered = len(_marked)
     made: Function = numba.njit(cache=True, error_model="python")(function)

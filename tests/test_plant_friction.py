@@ -67,3 +67,5 @@ def test_friction_alone_only_takes_speed_and_never_turns_it(speed, limit):
 
 def test_a_speed_that_is_no_number_stays_none():
     assert math.isnan(slide(math.nan, INERTIA, 0.0, 100.0, 50e-6))
+    assert math.isnan(slide(0.0, INERTIA, math.nan, 100.0, 50e-6))
+    assert math.isnan(slide(0.0, INERTIA, 0.0, math.nan, 50e-6))

@@ -5,7 +5,8 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from services.plant.contact import ContactState
-from services.plant.machine import MachineState, advance, advance_by, machine_start, sense, tip_position, truth
+from services.plant.hydraulics import LinkState
+from services.plant.machine import MachineState, advance, advance_by, inside, machine_start, sense, stopped, tip_position, truth
 from services.plant.mechanism import gravity_loads, inertias, posture
 from services.plant.params import UNIMATE, Environment, contact_params
 from shared.kernel import compiled
@@ -197,6 +198,18 @@ def test_the_end_of_travel_stops_a_link_and_lets_it_come_back(index):
     assert at_end.qd_rad_per_s[index] == 0.0
     back = run(at_end, UNIMATE, FREE, one_of(index, -0.36), SECOND // 2, SUBSTEP_S)
     assert back.q_rad[index] < link.travel_high_rad
+
+
+@pytest.mark.parametrize("link", LINKS)
+@pytest.mark.parametrize("high", [True, False])
+def test_a_stop_holds_what_went_beyond_it_and_leaves_alone_what_stands_at_it(link, high):
+    end, outside = (link.travel_high_rad, math.inf) if high else (link.travel_low_rad, -math.inf)
+    at_it = LinkState(end, 0.1, 0.2, 3e6, 4e6)
+    beyond = at_it._replace(q_rad=math.nextafter(end, outside))
+    assert inside(at_it, link) and not inside(beyond, link)
+    assert stopped(at_it, link) == at_it
+    assert stopped(beyond, link) == at_it._replace(qd_rad_per_s=0.0)
+    assert math.isnan(stopped(at_it._replace(q_rad=math.nan), link).q_rad)
 
 
 @pytest.mark.parametrize("stiffness", [7208.0, 53150.0])

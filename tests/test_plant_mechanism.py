@@ -4,7 +4,7 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from services.plant.mechanism import gravity_loads, inertias, motion_loads, posture, tip, tip_loads
+from services.plant.mechanism import gravity_loads, inertias, motion_loads, posture, posture_after, tip, tip_loads
 from services.plant.params import UNIMATE
 from shared.units import GRAVITY_M_PER_S2
 
@@ -45,6 +45,19 @@ def test_down_is_down_and_out_is_out():
     assert tip_at((0.0, 0.1, 0.5))[2] < z_m
     assert tip_at((0.0, 0.0, 0.6))[0] > x_m
     assert tip_at((0.1, 0.0, 0.5))[1] > 0.0
+
+
+@given(poses, poses, st.lists(st.booleans(), min_size=3, max_size=3))
+def test_a_posture_that_follows_another_is_the_one_made_anew_whichever_links_stood(before, q, stood):
+    after = tuple(old if stands else new for old, new, stands in zip(before, q, stood, strict=True))
+    assert posture_after(posture(UNIMATE, before), UNIMATE, before, after) == posture(UNIMATE, after)
+
+
+def test_the_sines_of_a_link_that_stands_are_kept_and_of_one_that_moved_by_a_bit_are_not():
+    at, kept = (0.3, 0.2, 0.5), posture(UNIMATE, (0.3, 0.2, 0.5))._replace(cos_1=7.0, cos_2=8.0)
+    assert posture_after(kept, UNIMATE, at, at)[:4] == kept[:4]
+    moved_on = posture_after(kept, UNIMATE, at, (math.nextafter(0.3, 1.0), math.nextafter(0.2, 1.0), 0.5))
+    assert (moved_on.cos_1, moved_on.cos_2) == (math.cos(math.nextafter(0.3, 1.0)), math.cos(math.nextafter(0.2, 1.0)))
 
 
 @given(poses, st.floats(-500, 500), st.floats(-500, 500))

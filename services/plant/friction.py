@@ -27,4 +27,4 @@ def slide(speed_rad_per_s: float, inertia_kg_m2: float, load_nm: float, limit_nm
         return 0.0
     if momentum > 0.0:
         return (momentum - taken) / inertia_kg_m2
-    return (momentum + taken) / inertia_kg_m2  # a NaN stays one
+    return (momentum + taken) / inertia_kg_m2  # and a NaN stays one

@@ -57,7 +57,7 @@ def link_step(
     inertia_kg_m2: float,
     step_s: float,
 ) -> LinkState:
-    """Valve, pressures with the old speed, speed by projection, then position (semi-implicit Euler); stops absorb."""
+    """Valve, pressures with the old speed, speed by projection, then position (semi-implicit Euler); knows no stops."""
     ends_pa = (machine.supply_pressure_pa, machine.return_pressure_pa)
     spool_a = spool_step(link, state.spool_a, current_a, step_s)
     gain = link.flow_gain_m3_per_s_sqrt_pa * port_area(link, spool_a)
@@ -66,19 +66,18 @@ def link_step(
     drive_nm = link.displacement_m3_per_rad * (a_pa - b_pa) - link.viscous_nms_per_rad * state.qd_rad_per_s + load_nm
     limit_nm = friction_limit(link, state.qd_rad_per_s)
     speed = slide(state.qd_rad_per_s, inertia_kg_m2, drive_nm, limit_nm, step_s)
-    moved_rad = state.q_rad + step_s * speed
-    return LinkState(moved_rad, speed, spool_a, a_pa, b_pa)
+    return LinkState(state.q_rad + step_s * speed, speed, spool_a, a_pa, b_pa)
 
 
 @kernel
 def inside(state: LinkState, link: LinkParams) -> bool:
-    """Whether the link is inside its travel; a NaN is not."""
+    """Whether the link is inside its travel, ends included; a NaN is not."""
     return link.travel_low_rad <= state.q_rad <= link.travel_high_rad
 
 
 @kernel
 def stopped(state: LinkState, link: LinkParams) -> LinkState:
-    """The link inside its travel: a stop absorbs the speed of one that met it."""
+    """The link inside its travel: the stop that it went beyond absorbs its speed."""
     if inside(state, link):
         return state
     q_rad = within(state.q_rad, link.travel_low_rad, link.travel_high_rad)
@@ -116,7 +115,11 @@ def advance_by(
         second = link_step(second, machine.down_up, machine, currents_a[1], load_2, inertia[1], step_s)
         third = link_step(third, machine.out_in, machine, currents_a[2], load_3, inertia[2], step_s)
         if not (inside(first, machine.rotate) and inside(second, machine.down_up) and inside(third, machine.out_in)):
-            first, second, third = stopped(first, machine.rotate), stopped(second, machine.down_up), stopped(third, machine.out_in)
+            first, second, third = (
+                stopped(first, machine.rotate),
+                stopped(second, machine.down_up),
+                stopped(third, machine.out_in),
+            )
     return MachineState(
         (first.q_rad, second.q_rad, third.q_rad),
         (first.qd_rad_per_s, second.qd_rad_per_s, third.qd_rad_per_s),
