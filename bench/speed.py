@@ -1,7 +1,7 @@
 """How many times faster than real time the local clock runs whole cells, on one core, and where the time goes.
 
-Simulated seconds, the removal of the bias included, per second of processor time of a trial with its preparation; best of several,
-after compilation.
+Simulated seconds, the removal of the bias included, per second of processor time of a trial with its preparation, after
+compilation; best of several.
 The machine alone is the same trial's codes played again without anybody who computes them; what is left over is controller,
 supervisor, gate, sensors and rows, once a sample, and the preparation. Example: python bench/speed.py --trials 5
 """

@@ -12,8 +12,8 @@ from campaigns.trials import count
 from campaigns.work import Chunk, OtherSourcesError, Row, chunks, warm, work
 from experiments.experiment import Experiment
 
-TIMES_REAL_TIME = 400.0  # of one core, roughly: for the size of a chunk and the time that it takes
-OVERHEAD_S = 0.005  # of a trial, beside its kernel
+TIMES_REAL_TIME = 900.0  # of one core, roughly: for the size of a chunk and the time that it takes
+OVERHEAD_S = 0.002  # of a trial, beside its kernel
 CHUNK_S = 2.0  # of work in a task: far more than the few ms that a scheduler takes, far less than anybody minds to lose
 MOST_PARTS = 10_000  # files of a campaign: of one that takes many hours a task is longer
 AHEAD = 2  # chunks a worker has waiting
