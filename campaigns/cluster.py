@@ -43,6 +43,7 @@ def _local(workers: int) -> Iterator[Client]:
                 threads_per_worker=1,
                 processes=True,
                 dashboard_address=None,
+                scheduler_kwargs={"dashboard_address": "127.0.0.1:0"},  # any: None is 8787, and a warning if it is taken
                 memory_limit=0,
                 silence_logs=logging.CRITICAL,
             )

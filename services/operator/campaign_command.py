@@ -120,7 +120,7 @@ def _describe(plan: "Plan", longest: "Experiment", workers: int) -> None:
     from rich.table import Table
 
     from campaigns.axis import KINDS
-    from campaigns.run import trial_s
+    from campaigns.run import TIMES_REAL_TIME, trial_s
     from campaigns.trials import count, points
     from reproduction.words import duration
 
@@ -134,7 +134,7 @@ def _describe(plan: "Plan", longest: "Experiment", workers: int) -> None:
     trials, measured = count(one), ", ".join([*one.metrics, *(["the experiment's claims"] if one.claims else [])])
     console.print(f"{trials} trials: {points(one)} points, {one.repeats} of each; measured: {measured}", highlight=False)
     takes = duration(trials * trial_s(longest) / workers)
-    console.print(f"about {takes} on {workers} workers, if each runs 400 times real time", highlight=False)
+    console.print(f"about {takes} on {workers} workers, if each runs {TIMES_REAL_TIME:g} times real time", highlight=False)
 
 
 def _brief(swept: Any) -> str:
