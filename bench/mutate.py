@@ -1,9 +1,10 @@
 """Mutation test of the gate, the rules, the mode machine and the protection: every small change must fail a test.
 
-Each mutant is run plain (nothing is compiled) against the tests of its module; survivors are printed.
-`python bench/mutate.py [module ...]`; exit status 1 if any mutant survives.
+Each mutant is run plain (nothing is compiled) against the tests of its module, in a fork of its own; survivors are printed.
+`python bench/mutate.py [--jobs N] [module ...]`; exit status 1 if any mutant survives.
 """
 
+import argparse
 import ast
 import copy
 import importlib
@@ -28,14 +29,18 @@ TESTS = {
     "services/supervisor/observe_force.py": ["tests/test_supervisor_observe_force.py"],
     "services/supervisor/observe_motion.py": ["tests/test_supervisor_observe_motion.py"],
     "services/supervisor/modes.py": ["tests/test_supervisor_modes.py"],
+    "services/supervisor/step.py": ["tests/test_supervisor_step.py", "tests/test_supervisor_reset.py"],
     "services/plant/mailbox.py": ["tests/test_plant_mailbox.py"],
     "services/plant/ledger.py": ["tests/test_plant_ledger.py"],
     "services/plant/lease.py": ["tests/test_plant_lease.py"],
+    "services/plant/numbers.py": ["tests/test_plant_numbers.py"],
+    "services/plant/gatekeeper.py": ["tests/test_plant_gatekeeper.py"],
     "shared/acceptance.py": ["tests/test_shared_acceptance.py"],
     "shared/codec.py": ["tests/test_shared_codec.py"],
     "shared/protection.py": ["tests/test_shared_protection.py"],
     "shared/timeliness.py": ["tests/test_shared_timeliness.py"],
     "shared/reception.py": ["tests/test_shared_reception.py"],
+    "shared/requests.py": ["tests/test_shared_requests.py"],
 }
 COMPARISONS: dict[type[ast.cmpop], tuple[type[ast.cmpop], ...]] = {
     ast.Lt: (ast.LtE, ast.Gt),
@@ -47,7 +52,7 @@ COMPARISONS: dict[type[ast.cmpop], tuple[type[ast.cmpop], ...]] = {
     ast.In: (ast.NotIn,),
 }
 PRELOADED = ("pytest", "hypothesis.stateful", "numpy", "pydantic", "msgpack")  # imported once; each mutant is a fork
-TIMEOUT_S = 180  # a test that waits for ever is a mutant that was seen; a busy host is none
+TIMEOUT_S = 600  # a test that waits for ever is a mutant that was seen; a busy host is none
 
 Change = Callable[[Any], object]
 
@@ -60,6 +65,11 @@ def mutants(tree: ast.Module) -> Iterator[tuple[str, ast.Module]]:
             mutant = copy.deepcopy(tree)
             change(list(ast.walk(mutant))[index])
             yield f"{getattr(node, 'lineno', 0)}: {words}", mutant
+
+
+def tried(tree: ast.Module) -> int:
+    """How many mutants there are."""
+    return sum(1 for node in ast.walk(tree) for _ in _changes(node))
 
 
 def _changes(node: ast.AST) -> Iterator[tuple[str, Change]]:
@@ -99,8 +109,8 @@ def _without_not(node: ast.UnaryOp) -> None:
     node.operand = ast.UnaryOp(ast.Not(), node.operand)
 
 
-def survives(module: str, tree: ast.Module) -> bool:
-    """Whether the tests of `module` pass with `tree` in its place; a fork, so that nothing of it remains."""
+def begun(module: str, tree: ast.Module) -> int:
+    """Process in which the tests of `module` run with `tree` in its place; a fork, so that nothing of it remains."""
     child = os.fork()
     if child == 0:
         try:
@@ -108,7 +118,30 @@ def survives(module: str, tree: ast.Module) -> bool:
             os._exit(_test(module, tree))
         except BaseException:  # a mutant that does not even import is dead
             os._exit(1)
-    return os.waitpid(child, 0)[1] == 0
+    return child
+
+
+def survivors(module: str, tree: ast.Module, jobs: int) -> Iterator[str]:
+    """Those mutants that every test passes, in words; `jobs` of them are tried at once."""
+    running: dict[int, str] = {}
+    count = tried(tree)
+    for k, (words, mutant) in enumerate(mutants(tree), 1):
+        if len(running) == jobs:
+            yield from _ended(running)
+        running[begun(module, ast.fix_missing_locations(mutant))] = words
+        print(f"{module}: {k} of {count}", end="\r", file=sys.stderr, flush=True)
+    while running:
+        yield from _ended(running)
+
+
+def _ended(running: dict[int, str]) -> Iterator[str]:
+    """The next mutant whose tests end, if it survived."""
+    child, status = os.wait()
+    words = running.pop(child)
+    if status == 0:
+        yield words
+    elif os.WIFSIGNALED(status) and os.WTERMSIG(status) == signal.SIGALRM:
+        print(f"{words}: its tests did not end within {TIMEOUT_S} s", file=sys.stderr)
 
 
 def _test(module: str, tree: ast.Module) -> int:
@@ -130,27 +163,32 @@ def _test(module: str, tree: ast.Module) -> int:
     return int(pytest.main(["-x", "-q", "-p", "no:cacheprovider", "-k", "not compiled and not of_its_own", *TESTS[module]]))
 
 
-def main(chosen: list[str]) -> int:
+def main(chosen: list[str], jobs: int) -> int:
     """Try every mutant of the chosen modules; 1 if one survives."""
     os.chdir(ROOT)
     sys.dont_write_bytecode = True
     sys.path[:0] = [str(ROOT), str(ROOT / "tests")]
     for name in PRELOADED:
         importlib.import_module(name)
-    alive = tried = 0
+    total = alive = 0
     for module in chosen or list(TESTS):
         tree = ast.parse((ROOT / module).read_text())
-        if not survives(module, tree):
+        if os.waitpid(begun(module, tree), 0)[1] != 0:
             print(f"{module}: its tests fail without a mutation")
             return 1
-        for words, mutant in mutants(tree):
-            tried += 1
-            if survives(module, ast.fix_missing_locations(mutant)):
-                alive += 1
-                print(f"{module}:{words}", flush=True)
-    print(f"{tried} mutants, {alive} survived")
+        found = 0
+        for words in survivors(module, tree, jobs):
+            found += 1
+            print(f"{module}:{words}", flush=True)
+        print(f"{module}: {tried(tree)} mutants, {found} survived", flush=True)
+        total, alive = total + tried(tree), alive + found
+    print(f"{total} mutants, {alive} survived")
     return int(alive > 0)
 
 
 if __name__ == "__main__":
-    sys.exit(main(sys.argv[1:]))
+    parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
+    parser.add_argument("modules", nargs="*", metavar="module", help="default: all of the table")
+    parser.add_argument("--jobs", type=int, default=os.cpu_count(), help="mutants tried at once (default: one a core)")
+    given = parser.parse_args()
+    sys.exit(main(given.modules, given.jobs))
