@@ -4,7 +4,7 @@ from services.plant.about import about
 from services.plant.config import GateLimits, PlantConfig
 from services.supervisor.config import SupervisorConfig
 from services.supervisor.modes import NOTHING, RUNNING
-from services.supervisor.observe import Bias, Heard, Links, Watch, observe_step
+from services.supervisor.observe import Bias, Heard, Links, observe_step, watch_start
 from services.supervisor.params import supervisor_params
 from services.supervisor.rule import GaugeSeen, MotionSeen, Observed, TransportSeen
 from services.supervisor.step import Asked, SupervisorMemory, supervisor_step
@@ -81,11 +81,11 @@ def step(memory, seen, wanted=None, params=PARAMS):
 def watched(number, encoder_counts=LEVEL, **changes):
     """What is remembered after sample `number`, the first that came."""
     seen = sample(number, encoder_counts=encoder_counts)
-    return observe_step(Watch(), PARAMS.observing, seen, Heard(False, 0, True, Links(0, 0, 0, 1)))[0]._replace(**changes)
+    return observe_step(watch_start(), PARAMS.observing, seen, Heard(False, 0, True, Links(0, 0, 0, 1)))[0]._replace(**changes)
 
 
 def running(tick=5, number=50, **changes):
     """In the middle of a trial whose first sample was such that `number` is `tick`."""
     first = number - tick - BIAS
-    watch = watched(number - 1, bias=Bias(samples=BIAS))
+    watch = watched(number - 1, bias=Bias(0.0, 0.0, 0.0, 0.0, BIAS))
     return SupervisorMemory(mode=RUNNING, arming=4711, first_sample=first, watch=watch)._replace(**changes)

@@ -12,6 +12,7 @@ from shared.converters import N_PER_FORCE_COUNT
 
 DT_NS = 4_500_000
 DT_S = 0.0045
+NOTHING = ForceWatch(0, 0.0, 0.0, 0.0, 0, 0, 0.0)
 REST = Push(True, 0.0, 0.0, DT_NS, 0.0, 4.0)
 
 
@@ -23,7 +24,7 @@ def played(readings, push=REST, watch=None, **changes):
     seen = None
     for raw_n in readings:
         follows = watch is not None
-        watch, seen = step(watch or ForceWatch(), raw_n, push._replace(follows=follows), **changes)
+        watch, seen = step(watch or NOTHING, raw_n, push._replace(follows=follows), **changes)
     return watch, seen
 
 
@@ -38,7 +39,7 @@ def test_known_noise_is_never_quiet_for_long_nor_fast_nor_a_jump_nor_unexplained
     watch, longest, rate, unexplained = None, 0, 0.0, 0.0
     for raw_n in noise_n:
         counted_n = math.floor(raw_n / N_PER_FORCE_COUNT) * N_PER_FORCE_COUNT
-        watch, seen = step(watch or ForceWatch(), counted_n, REST._replace(follows=watch is not None))
+        watch, seen = step(watch or NOTHING, counted_n, REST._replace(follows=watch is not None))
         longest, rate = max(longest, seen.quiet_samples), max(rate, abs(seen.rate_n_per_s))
         unexplained = max(unexplained, seen.unexplained_n)
         assert abs(seen.jump_n) <= seen.jump_limit_n
@@ -79,7 +80,7 @@ def test_work_done_on_a_spring_is_its_energy_and_comes_back():
     watch, seen = None, None
     for i in range(steps + 1):
         push = REST._replace(follows=watch is not None, way_m=way_m if watch else 0.0)
-        watch, seen = step(watch or ForceWatch(), k * way_m * i, push)
+        watch, seen = step(watch or NOTHING, k * way_m * i, push)
     assert seen.energy_j == pytest.approx(0.5 * k * 0.04 * 0.04, rel=0.05)  # the smooth force lags a little
     for i in range(steps, -1, -1):
         watch, seen = step(watch, k * way_m * i, REST._replace(way_m=-way_m))
@@ -132,13 +133,13 @@ def test_a_wall_of_any_stiffness_met_at_any_speed_is_explained():
             watch = None
             for i in range(40):
                 push = Push(watch is not None, way[i] - way[i - 1] if watch else 0.0, speed, DT_NS, 0.0, 4.0)
-                watch, seen = step(watch or ForceWatch(), k * speed * DT_S * max(0, i - 10), push)
+                watch, seen = step(watch or NOTHING, k * speed * DT_S * max(0, i - 10), push)
                 assert seen.unexplained_n <= seen.unexplained_limit_n
                 assert abs(seen.jump_n) <= seen.jump_limit_n
 
 
 def test_force_is_told_raw_and_without_its_bias():
-    seen = step(ForceWatch(), 50.0, REST._replace(follows=False, bias_n=20.0))[1]
+    seen = step(NOTHING, 50.0, REST._replace(follows=False, bias_n=20.0))[1]
     assert (seen.raw_n, seen.tared_n, seen.smooth_n, seen.bias_n, seen.bias_spread_n) == (50.0, 30.0, 30.0, 20.0, 4.0)
 
 
@@ -148,8 +149,7 @@ def test_work_taken_back_beyond_what_was_given_counts_for_nothing():
     assert step(watch, 100.0, REST._replace(way_m=0.002))[1].energy_j == pytest.approx(0.2)
 
 
-def test_nothing_is_remembered_at_first():
-    assert ForceWatch() == ForceWatch(0, 0.0, 0.0, 0.0, 0, 0, 0.0)
+def test_every_window_begins_at_the_first_force():
     assert force_begin(9, 12.5) == ForceWatch(9, 12.5, 12.5, 12.5, 0, 0, 0.0)
     watch, seen = step(ForceWatch(9, 9.0, 9.0, 9.0, 9, 9, 9.0), 400.0, REST._replace(follows=False, bias_n=0.0))
     assert (seen.held_ns, seen.energy_j, watch.quiet_samples) == (DT_NS, 0.0, 0)

@@ -11,7 +11,7 @@ from services.plant.hydraulics import LinkState
 from services.plant.machine import link_step as machine_link_step
 from services.plant.params import UNIMATE
 from services.supervisor.machine import BRAKES, FULL_SPEED, MOVES_DOWN_A, MOVES_UP_A, MOVES_WITHIN_NS
-from services.supervisor.observe import Heard, Links, Watch, observe_step
+from services.supervisor.observe import Heard, Links, observe_step, watch_start
 from services.supervisor.observe_motion import (
     LinkWatch,
     MotionWatch,
@@ -36,7 +36,7 @@ observe_compiled = compiled(observe_step)
 
 def play(encoders, codes=(2048, 2048, 2048), first=FIRST):
     """What is seen at the last of these samples."""
-    watch, seen = Watch(), None
+    watch, seen = watch_start(), None
     for row, counts in enumerate(encoders):
         watch, seen = observe_step(watch, OBSERVING, sample(first + row, row, encoder_counts=counts, dac_counts=codes), RUNNING)
     return watch, seen
@@ -177,7 +177,7 @@ SAMPLES = st.builds(
 @settings(max_examples=200, deadline=None)
 @given(st.lists(st.tuples(SAMPLES, st.sampled_from([0, 0, 0, 1])), max_size=8))
 def test_plain_and_compiled_windows_agree_on_anything(rows):
-    watch = machine = Watch()
+    watch = machine = watch_start()
     number = 10
     for (gap, tick, counts, force, codes, late), stale_ns in rows:
         number += gap
@@ -191,18 +191,18 @@ def test_plain_and_compiled_windows_agree_on_anything(rows):
 STILL = (0.0, 0.0, 0.0)
 
 
-def test_nothing_is_remembered_at_first():
-    nobody = LinkWatch(0, 0.0, 0)
-    assert (LinkWatch(), MotionWatch()) == (nobody, MotionWatch(STILL, 0.0, STILL, STILL, STILL, nobody, nobody, nobody))
+def test_every_window_begins_at_the_first_pose():
+    nobody, used = LinkWatch(0, 0.0, 0), LinkWatch(1, 0.5, 99)
     pose = Pose((1, 2, 3), (0.1, 0.2, 0.3), 0.4, (0.5, 0.6, 0.7))
     first = MotionWatch(pose.q_rad, 0.4, pose.tip_m, STILL, STILL, nobody, nobody, nobody)
     assert motion_begin(pose) == first
-    begun = motion_step(MotionWatch(), CODES, pose, CODES.high, False, T_NS)[0]
+    before = MotionWatch((9.0,) * 3, 9.0, (9.0,) * 3, (9.0,) * 3, (9.0,) * 3, used, used, used)
+    begun = motion_step(before, CODES, pose, CODES.high, False, T_NS)[0]
     assert (begun.speed, begun.tip_m_per_s, begun.rotate.idle_ns) == (STILL, STILL, 0)
 
 
 def test_every_axis_is_told_its_way():
-    watch = MotionWatch((0.1, 0.2, 0.3), 0.4, (0.5, 0.6, 0.7))
+    watch = motion_begin(Pose((0, 0, 0), (0.1, 0.2, 0.3), 0.4, (0.5, 0.6, 0.7)))
     pose = Pose((1, 2, 3), (0.11, 0.22, 0.33), 0.44, (0.52, 0.66, 0.73))
     after, seen = motion_step(watch, CODES, pose, (2048, 2048, 2048), True, T_NS)
     assert seen.moved_rad == pytest.approx((0.01, 0.02, 0.03, 0.04))

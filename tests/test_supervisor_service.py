@@ -8,7 +8,7 @@ from wire_scene import FakeBus, header, state_body
 
 from services.supervisor import service
 from services.supervisor.answers import Answers
-from services.supervisor.observe import Watch
+from services.supervisor.observe import watch_start
 from services.supervisor.service import Supervisor
 from shared.codec import Received
 from shared.envelope import seal
@@ -261,9 +261,9 @@ def test_in_lockstep_a_second_is_a_second_of_samples():
 
 def test_answers_that_are_not_in_time_are_told_in_the_status():
     scene = Scene()
-    scene.supervisor.memory = scene.supervisor.memory._replace(watch=Watch(answers=Answers(0b11110, 0, 4, 3)))
+    scene.supervisor.memory = scene.supervisor.memory._replace(watch=watch_start()._replace(answers=Answers(0b11110, 0, 4, 3)))
     assert (scene.supervisor.status()["in_time"], scene.supervisor.status()["warnings"]) == (0.96, [])
-    scene.supervisor.memory = scene.supervisor.memory._replace(watch=Watch(answers=Answers(0b1111, 0, 4, 4)))
+    scene.supervisor.memory = scene.supervisor.memory._replace(watch=watch_start()._replace(answers=Answers(0b1111, 0, 4, 4)))
     assert scene.supervisor.status()["warnings"] == ["4 answers in a row were late or missing; the lease bears 4"]
 
 

@@ -12,7 +12,7 @@ from services.plant.config import GateLimits, PlantConfig
 from services.plant.gate import CommandSeen, GateInput, GateMemory, PermitSeen, gate_step
 from services.supervisor.config import SupervisorConfig
 from services.supervisor.modes import Event, Facts, next_mode
-from services.supervisor.observe import Heard, Links, Watch, observe_step
+from services.supervisor.observe import Heard, Links, observe_step, watch_start
 from services.supervisor.params import supervisor_params
 from services.supervisor.rule import Limits, Observed, Rule
 from services.supervisor.rules import RULES, fold
@@ -201,4 +201,4 @@ def _at_rest() -> tuple[Observed, Limits]:
     params = supervisor_params(SupervisorConfig(), described, 0, 0)
     counts = tuple(round((0.0 - c.offset) / c.scale) for c in described.encoders)
     sample = Sample(1, 0, NO_TRIAL, 0, counts, 10, ZERO, 0, 0, 0, (0, 0, 0), 0, 0, 0)
-    return observe_step(Watch(), params.observing, sample, Heard(False, 0, True, Links(0, 0, 0, 1)))[1], params.limits
+    return observe_step(watch_start(), params.observing, sample, Heard(False, 0, True, Links(0, 0, 0, 1)))[1], params.limits

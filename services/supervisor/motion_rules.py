@@ -66,6 +66,13 @@ def _off_rail(counts: tuple[int, int, int], limits: Limits) -> int:
 
 
 @kernel
+def _rail(counts: tuple[int, int, int], limits: Limits) -> int:
+    """The end at or beyond which that counter stands."""
+    link = _off_rail(counts, limits) % 3
+    return limits.low_counts[link] if counts[link] <= limits.low_counts[link] else limits.high_counts[link]
+
+
+@kernel
 def _reach(seen: Observed, limits: Limits, encoder: int) -> float:
     """What an encoder can have moved since the sample before: full speed, and the count that a floor may add."""
     return FULL_SPEED[encoder] * seen.motion.dt_s + limits.count_rad[encoder] * (1.0 + 1e-9)
@@ -110,12 +117,7 @@ MOTION_RULES = (
         counters_connected,
         TripCause.ENCODER_INVALID,
         lambda seen, limits: float(seen.motion.counts[_off_rail(seen.motion.counts, limits) % 3]),
-        lambda seen, limits: float(
-            limits.low_counts[_off_rail(seen.motion.counts, limits) % 3]
-            if seen.motion.counts[_off_rail(seen.motion.counts, limits) % 3]
-            <= limits.low_counts[_off_rail(seen.motion.counts, limits) % 3]
-            else limits.high_counts[_off_rail(seen.motion.counts, limits) % 3]
-        ),
+        lambda seen, limits: float(_rail(seen.motion.counts, limits)),
         "an encoder stands at an end of its counter: no cable, or wrapped (counts)",
     ),
     Rule(

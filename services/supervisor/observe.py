@@ -30,23 +30,23 @@ class Observing(NamedTuple):
 class Bias(NamedTuple):
     """The supervisor's own mean and spread of the force at the negative ticks."""
 
-    mean_n: float = 0.0
-    spread_n: float = 0.0
-    sum_n: float = 0.0
-    square_n2: float = 0.0
-    samples: int = 0
+    mean_n: float
+    spread_n: float
+    sum_n: float
+    square_n2: float
+    samples: int
 
 
 class Watch(NamedTuple):
-    """What is remembered of the samples."""
+    """What is remembered of the samples; `watch_start()` before the first."""
 
-    last_number: int = NO_COMMAND
-    last_tick: int = NO_TRIAL
-    last_time_ns: int = 0
-    bias: Bias = Bias()
-    answers: Answers = Answers()
-    force: ForceWatch = ForceWatch()
-    motion: MotionWatch = MotionWatch()
+    last_number: int
+    last_tick: int
+    last_time_ns: int
+    bias: Bias
+    answers: Answers
+    force: ForceWatch
+    motion: MotionWatch
 
 
 class Links(NamedTuple):
@@ -70,11 +70,11 @@ class Heard(NamedTuple):
 @kernel
 def observe_step(watch: Watch, observing: Observing, sample: Sample, heard: Heard) -> tuple[Watch, Observed]:
     """One sample, or its absence, taken into the windows; and what the rules judge."""
-    came = heard.stale_ns == 0
+    came, known = heard.stale_ns == 0, watch.last_number != NO_COMMAND
     went_back = heard.running and came and sample.number <= watch.last_number
-    lost = sample.number - watch.last_number - 1 if came and watch.last_number != NO_COMMAND else 0
+    lost = sample.number - watch.last_number - 1 if came and known else 0
     bias = bias_step(watch.bias, observing, sample) if came else watch.bias
-    follows = _follows(watch, sample) if came else True
+    follows = known and _follows(watch, sample) if came else known
     dt_ns = _since(watch, observing, sample, follows) if came else 0
     q_rad, pitch_rad = joint_positions(observing.calibration, sample.encoder_counts)
     tip_m = forward(UNIMATE_GEOMETRY, q_rad, pitch_rad)
@@ -112,24 +112,25 @@ def observe_step(watch: Watch, observing: Observing, sample: Sample, heard: Hear
         ),
     )
     if not came:  # the sample before is judged once more; it is not taken in twice
-        return Watch(sample.number, watch.last_tick, watch.last_time_ns, bias, answers, watch.force, watch.motion), seen
+        return watch, seen
     return Watch(sample.number, sample.tick, sample.time_ns, bias, answers, force, motion), seen
 
 
 @kernel
 def _follows(watch: Watch, sample: Sample) -> bool:
-    """Whether the sample before is known and of the same trial: at a trial's first tick an emulator begins at another pose."""
+    """Whether the sample before is older and of the same trial: at a trial's first tick an emulator begins at another pose."""
     same_trial = (sample.tick == NO_TRIAL) == (watch.last_tick == NO_TRIAL) and sample.tick >= watch.last_tick
-    return watch.last_number != NO_COMMAND and sample.number > watch.last_number and same_trial
+    return sample.number > watch.last_number and same_trial
 
 
 @kernel
 def _since(watch: Watch, observing: Observing, sample: Sample, follows: bool) -> int:
     """Time since the sample before; at most twice what its number says, so that no stamp can widen a limit."""
-    samples = sample.number - watch.last_number if follows else 1
-    most_ns = 2 * samples * observing.period_ns
-    dt_ns = sample.time_ns - watch.last_time_ns if follows else observing.period_ns
-    return dt_ns if 0 < dt_ns <= most_ns else samples * observing.period_ns
+    if not follows:
+        return observing.period_ns
+    by_number_ns = (sample.number - watch.last_number) * observing.period_ns
+    by_stamp_ns = sample.time_ns - watch.last_time_ns
+    return by_stamp_ns if 0 < by_stamp_ns <= 2 * by_number_ns else by_number_ns
 
 
 @kernel
@@ -142,8 +143,7 @@ def bias_step(bias: Bias, observing: Observing, sample: Sample) -> Bias:
     if sample.tick > -observing.bias_ticks:
         total, square, count = bias.sum_n + total, bias.square_n2 + square, bias.samples + 1
     mean = total / count
-    variance = square / count - mean * mean
-    return Bias(mean, math.sqrt(variance) if variance > 0.0 else 0.0, total, square, count)
+    return Bias(mean, math.sqrt(max(0.0, square / count - mean * mean)), total, square, count)
 
 
 @kernel
@@ -155,7 +155,7 @@ def bias_anew(watch: Watch) -> Watch:
 
 @kernel
 def watch_start() -> Watch:
-    """Nothing seen yet, spelled out for compiled callers, who know no defaults that are tuples."""
+    """Nothing seen yet; its windows begin at the first sample. No defaults: compiled callers know none that are tuples."""
     still, link = (0.0, 0.0, 0.0), LinkWatch(0, 0.0, 0)
     motion = MotionWatch(still, 0.0, still, still, still, link, link, link)
     force = ForceWatch(0, 0.0, 0.0, 0.0, 0, 0, 0.0)

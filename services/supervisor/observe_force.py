@@ -12,13 +12,13 @@ SMOOTHING_S = 0.02
 class ForceWatch(NamedTuple):
     """What is remembered of the force; all in raw newtons, so that a bias that is still being taken moves nothing."""
 
-    counts: int = 0
-    raw_n: float = 0.0
-    smooth_n: float = 0.0
-    explained_n: float = 0.0
-    quiet_samples: int = 0
-    held_ns: int = 0
-    energy_j: float = 0.0
+    counts: int
+    raw_n: float
+    smooth_n: float
+    explained_n: float
+    quiet_samples: int
+    held_ns: int
+    energy_j: float
 
 
 class Push(NamedTuple):

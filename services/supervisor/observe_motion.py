@@ -15,22 +15,22 @@ SMOOTHING_S = 0.02
 class LinkWatch(NamedTuple):
     """One link under a current that must move it."""
 
-    sign: int = 0  # of that current; 0 = none
-    furthest_rad: float = 0.0  # where it has got to in that direction
-    idle_ns: int = 0  # since it last got further
+    sign: int  # of that current; 0 = none
+    furthest_rad: float  # where it has got to in that direction
+    idle_ns: int  # since it last got further
 
 
 class MotionWatch(NamedTuple):
     """What is remembered of the motion."""
 
-    q_rad: Triple = (0.0, 0.0, 0.0)
-    pitch_rad: float = 0.0
-    tip_m: Triple = (0.0, 0.0, 0.0)
-    speed: Triple = (0.0, 0.0, 0.0)
-    tip_m_per_s: Triple = (0.0, 0.0, 0.0)
-    rotate: LinkWatch = LinkWatch()
-    down_up: LinkWatch = LinkWatch()
-    out_in: LinkWatch = LinkWatch()
+    q_rad: Triple
+    pitch_rad: float
+    tip_m: Triple
+    speed: Triple
+    tip_m_per_s: Triple
+    rotate: LinkWatch
+    down_up: LinkWatch
+    out_in: LinkWatch
 
 
 class Codes(NamedTuple):

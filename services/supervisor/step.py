@@ -14,7 +14,7 @@ from services.supervisor.modes import (
     next_mode,
 )
 from services.supervisor.modes import ESTOP as ESTOP_EVENT
-from services.supervisor.observe import Heard, Links, Observing, Watch, bias_anew, observe_step
+from services.supervisor.observe import Heard, Links, Observing, Watch, bias_anew, observe_step, watch_start
 from services.supervisor.rule import Limits, Observed
 from services.supervisor.rules import first_broken
 from shared.kernel import kernel
@@ -60,7 +60,7 @@ class SupervisorMemory(NamedTuple):
     armed_at: int = 0
     held_until: int = 0
     recover_signs: tuple[int, int, int] = _NO_SIGNS
-    watch: Watch = Watch()
+    watch: Watch = watch_start()
     pressed: bool = False  # an emergency stop, here or at the gate, that no reset has released
 
 
