@@ -5,12 +5,18 @@ from hypothesis import strategies as st
 from supervisor_scene import BIAS, N_PER_COUNT, PARAMS, sample
 
 from services.supervisor.answers import Answers
-from services.supervisor.observe import Bias, Heard, Links, bias_anew, observe_step, watch_start
-from shared.messages import NO_TRIAL
+from services.supervisor.observe import Bias, Heard, Links, Watch, bias_anew, observe_step, watch_start
+from services.supervisor.observe_force import ForceWatch
+from services.supervisor.observe_motion import LinkWatch, MotionWatch
+from shared.messages import NO_COMMAND, NO_TRIAL
 
 OBSERVING = PARAMS.observing
 NO_LINKS = Links(0, 0, 0, 1)
 RUNNING = Heard(True, 0, True, NO_LINKS)
+ABSENT = RUNNING._replace(stale_ns=1)
+ELSEWHERE = (100, 300, 600, 0, 33)
+PUSHED = 400  # counts of the gauge, above the level that is a contact
+T_NS = OBSERVING.period_ns
 
 
 def observe(watch, seen, heard=RUNNING):
@@ -45,6 +51,16 @@ def test_the_bias_of_a_trial_before_leaves_no_trace_even_if_the_first_tick_is_lo
     assert bias.mean_n == pytest.approx(10 * N_PER_COUNT)
     assert bias.samples == BIAS - 1
     assert play_bias([10] * BIAS, soiled).bias == play_bias([10] * BIAS).bias
+
+
+@pytest.mark.parametrize("count", range(0, 518, 7))
+def test_a_force_that_stays_has_no_spread_however_its_squares_are_rounded(count):
+    assert play_bias([count] * BIAS).bias.spread_n == pytest.approx(0.0, abs=1e-4)
+
+
+def test_a_supervisor_that_starts_among_the_negative_ticks_takes_the_bias_of_those_it_sees():
+    bias = play_bias([10] * BIAS, watch_start(), lost=(0, 1, 2)).bias
+    assert (bias.mean_n, bias.samples) == (pytest.approx(10 * N_PER_COUNT), BIAS - 3)
 
 
 def test_ticks_from_zero_on_and_absence_leave_the_bias_alone():
@@ -104,3 +120,89 @@ def test_frames_of_another_run_matter_to_a_trial_that_runs():
     seen = observe(after(49), sample(50, -3), heard)[1].transport
     assert (seen.link_faults, seen.rivals, seen.other_run, seen.state_lag) == (1, 2, 3, 4)
     assert observe(after(49), sample(50, -3), heard._replace(running=False))[1].transport.other_run == 0
+
+
+def test_nothing_is_remembered_at_first():
+    still, link = (0.0, 0.0, 0.0), LinkWatch(0, 0.0, 0)
+    force, motion = ForceWatch(0, 0.0, 0.0, 0.0, 0, 0, 0.0), MotionWatch(still, 0.0, still, still, still, link, link, link)
+    assert watch_start() == Watch(NO_COMMAND, NO_TRIAL, 0, Bias(0.0, 0.0, 0.0, 0.0, 0), Answers(), force, motion)
+
+
+def nothing_has_moved(seen):
+    return (
+        seen.motion.moved_rad == (0.0, 0.0, 0.0, 0.0)
+        and seen.motion.dt_s == T_NS * 1e-9
+        and (seen.gauge.jump_n, seen.gauge.unexplained_n, seen.gauge.energy_j) == (0.0, 0.0, 0.0)
+    )
+
+
+@pytest.mark.parametrize("tick", [NO_TRIAL, -1, 5])
+def test_the_first_sample_of_all_moves_nothing_wherever_the_arm_stands_and_whatever_the_gauge_reads(tick):
+    seen = observe(watch_start(), sample(50, tick, encoder_counts=ELSEWHERE, force_counts=PUSHED))[1]
+    assert nothing_has_moved(seen)
+    assert seen.motion.counts == ELSEWHERE[:3]
+
+
+@pytest.mark.parametrize(("number", "tick"), [(49, 5), (48, 5), (0, 6), (50, 4), (50, NO_TRIAL)])
+def test_a_sample_that_comes_again_goes_back_or_is_of_another_trial_begins_every_window_anew(number, tick):
+    watch = observe(watch_start(), sample(49, 5))[0]
+    assert nothing_has_moved(observe(watch, sample(number, tick, encoder_counts=ELSEWHERE, force_counts=PUSHED))[1])
+
+
+@pytest.mark.parametrize(("before", "tick"), [(NO_TRIAL, NO_TRIAL), (-1, 0), (5, 5), (5, 6)])
+def test_a_newer_sample_of_the_same_trial_or_still_of_none_is_told_with_its_way(before, tick):
+    watch, first = observe(watch_start(), sample(49, before))
+    seen = observe(watch, sample(50, tick, encoder_counts=ELSEWHERE))[1]
+    assert (
+        seen.motion.moved_rad[:3]
+        == tuple(now - was for now, was in zip(seen.motion.q_rad, first.motion.q_rad, strict=True))
+        != (0.0, 0.0, 0.0)
+    )
+
+
+def test_an_absence_judges_the_sample_before_once_more_and_takes_nothing_in():
+    push = {"force_counts": PUSHED, "dac_counts": OBSERVING.codes.high}
+    watch = observe(watch_start(), sample(49, 5, **push))[0]
+    watch = observe(watch, sample(50, 6, encoder_counts=ELSEWHERE, **push))[0]
+    watch, seen = observe(watch, sample(51, 7, encoder_counts=ELSEWHERE, **push))
+    after_it, again = observe(watch, sample(51, 7, encoder_counts=ELSEWHERE, **push), ABSENT)
+    assert after_it == watch
+    assert (again.motion.moved_rad, again.motion.dt_s, again.gauge.jump_n) == ((0.0, 0.0, 0.0, 0.0), 0.0, 0.0)
+    for field in ("speed", "tip_speed_m_per_s", "idle_ns", "against"):
+        assert getattr(again.motion, field) == getattr(seen.motion, field)
+    assert any(seen.motion.idle_ns) and seen.motion.tip_speed_m_per_s > 0.0
+    assert (again.gauge.held_ns, again.gauge.energy_j) == (seen.gauge.held_ns, seen.gauge.energy_j)
+
+
+def test_an_absence_before_the_first_sample_finds_nothing_moved_and_leaves_nothing():
+    watch, seen = observe(watch_start(), sample(51, NO_TRIAL, encoder_counts=ELSEWHERE, force_counts=PUSHED), ABSENT)
+    assert watch == watch_start()
+    assert (seen.motion.moved_rad, seen.gauge.jump_n, seen.transport.lost_samples) == ((0.0, 0.0, 0.0, 0.0), 0.0, 0)
+
+
+@pytest.mark.parametrize("gap", [1, 3])
+def test_time_passes_by_the_stamps_up_to_twice_what_the_numbers_say_and_else_by_the_numbers(gap):
+    watch = observe(watch_start(), sample(49, 5))[0]
+    by_number_ns = gap * T_NS
+    for by_stamp_ns, dt_ns in (
+        (by_number_ns + 1_000_000, by_number_ns + 1_000_000),
+        (2 * by_number_ns, 2 * by_number_ns),
+        (2 * by_number_ns + 1, by_number_ns),
+        (1, 1),
+        (0, by_number_ns),
+        (-1, by_number_ns),
+    ):
+        seen = observe(watch, sample(49 + gap, 5 + gap, time_ns=49 * T_NS + by_stamp_ns))[1]
+        assert seen.motion.dt_s == dt_ns * 1e-9
+
+
+@pytest.mark.parametrize("axis", range(3))
+@pytest.mark.parametrize("sign", [1.0, -1.0])
+def test_work_is_done_on_the_way_against_the_force_that_the_environment_gives(axis, sign):
+    observing = OBSERVING._replace(force_axis=axis, force_sign=sign)
+    for there, back in ((sample(49, 5).encoder_counts, ELSEWHERE), (ELSEWHERE, sample(49, 5).encoder_counts)):
+        watch, before = observe_step(watch_start(), observing, sample(49, 5, encoder_counts=there, force_counts=PUSHED), RUNNING)
+        seen = observe_step(watch, observing, sample(50, 6, encoder_counts=back, force_counts=PUSHED), RUNNING)[1]
+        way_m = (before.motion.tip_m[axis] - seen.motion.tip_m[axis]) * sign
+        assert way_m != 0.0
+        assert seen.gauge.energy_j == pytest.approx(max(0.0, seen.gauge.smooth_n * way_m))

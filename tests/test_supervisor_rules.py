@@ -316,6 +316,8 @@ def test_limits_that_cross_let_nothing_pass_and_tell_the_bound_that_broke():
     assert first_broken(changed(FINE, moving=True, lost_samples=0, command_lag=0), LIMITS) == (0, 0.0, 0.0)
     stale = next(rule for rule in RULES if rule.cause == TripCause.COMMAND_STALE)
     assert stale.limit(changed(FINE, command_lag=0), LIMITS) == 5.0
+    silent = next(rule for rule in RULES if rule.cause == TripCause.CONTROLLER_SILENT)
+    assert [silent.limit(changed(FINE, state_lag=lag), LIMITS) for lag in (1, 0, -1)] == [6.0, 6.0, -4.0]
 
 
 def test_at_rest_a_service_may_start_anew_and_in_motion_nobody_may():
