@@ -9,6 +9,7 @@ import ast
 import copy
 import importlib
 import os
+import resource
 import signal
 import sys
 import types
@@ -40,7 +41,7 @@ TESTS = {
     "shared/protection.py": ["tests/test_shared_protection.py"],
     "shared/timeliness.py": ["tests/test_shared_timeliness.py"],
     "shared/reception.py": ["tests/test_shared_reception.py"],
-    "shared/requests.py": ["tests/test_shared_requests.py"],
+    "shared/requests.py": ["tests/test_shared_requests.py", "tests/test_shared_bus.py"],
 }
 COMPARISONS: dict[type[ast.cmpop], tuple[type[ast.cmpop], ...]] = {
     ast.Lt: (ast.LtE, ast.Gt),
@@ -52,7 +53,7 @@ COMPARISONS: dict[type[ast.cmpop], tuple[type[ast.cmpop], ...]] = {
     ast.In: (ast.NotIn,),
 }
 PRELOADED = ("pytest", "hypothesis.stateful", "numpy", "pydantic", "msgpack")  # imported once; each mutant is a fork
-TIMEOUT_S = 600  # a test that waits for ever is a mutant that was seen; a busy host is none
+CPU_S, TIMEOUT_S = 60, 600  # a test that computes or waits for ever is a mutant that was seen; a busy host is none
 
 Change = Callable[[Any], object]
 
@@ -114,6 +115,7 @@ def begun(module: str, tree: ast.Module) -> int:
     child = os.fork()
     if child == 0:
         try:
+            resource.setrlimit(resource.RLIMIT_CPU, (CPU_S, CPU_S))
             signal.alarm(TIMEOUT_S)
             os._exit(_test(module, tree))
         except BaseException:  # a mutant that does not even import is dead

@@ -59,6 +59,42 @@ def test_a_request_that_names_no_start_is_told_how_to(to):
     assert "`status`" in refusal(query) and "`to`" in refusal(query)
 
 
+@pytest.mark.parametrize("arguments", ["", "[]", "{", "5", "[" * 3000])
+def test_arguments_that_are_no_object_are_refused(arguments):
+    query = Query.of_text("supervisor", "arm", arguments)
+    assert seen(started(), query) == []
+    assert "no JSON object" in refusal(query)
+
+
+def test_a_frame_that_is_no_request_is_refused_with_its_cause():
+    query = ask("arm")
+    query.frame = query.frame[:-1] + bytes([query.frame[-1] ^ 1])
+    assert seen(started(), query) == []
+    assert refusal(query) == "malformed request: crc: checksum differs"
+
+
+def test_a_request_is_answered_once_with_what_was_made_of_it():
+    service, accepted, refused = started(), ask("arm", 1), ask("start", 2)
+    service.put(accepted)
+    service.put(refused)
+    first, second = service.take()
+    first.reply({"mode": "ARMED"})
+    second.refuse("not now")
+    (frame,) = accepted.replies
+    answer = decode(accepted.key_expr, ANSWER, CELL, frame, 0).body
+    assert (answer.accepted, answer.reason, answer.values) == (1, "", b'{"mode": "ARMED"}')
+    assert refusal(refused) == "not now"
+
+
+def test_what_only_speaks_of_a_stop_is_no_stop_and_is_refused_once_if_it_is_no_request():
+    service, broken = started(), ask("estop")
+    broken.frame = broken.frame[:-1] + bytes([broken.frame[-1] ^ 1])
+    service.put(broken)
+    assert service.stops() == []
+    assert "crc" in refusal(broken)
+    assert service.take() == []
+
+
 @pytest.mark.parametrize("verb", ["estop", "status"])
 def test_a_stop_and_a_question_are_never_refused(verb):
     assert seen(started(), ask(verb), ask(verb), ask(verb, to=None), ask(verb, to=99)) == [verb] * 4
@@ -100,6 +136,10 @@ def test_more_sessions_than_are_told_apart_are_refused_and_none_is_forgotten(mon
     assert "start it anew" in refusal(one_more)
     assert seen(service, *(ask("arm", epoch=epoch) for epoch in (1, 2, 3))) == []
     assert seen(service, ask("arm", 1, epoch=1), ask("estop", epoch=4)) == ["estop", "arm"]
+
+
+def test_as_many_sessions_are_told_apart_as_fit_10_mb():
+    assert requests.MOST_SESSIONS == 65_536
 
 
 def test_what_is_refused_is_not_remembered(monkeypatch):

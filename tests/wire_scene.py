@@ -45,10 +45,19 @@ class Query:
 
     def __init__(self, service, verb, seq=0, epoch=5, **arguments):
         self.key_expr = expression(CELL, f"{ASK.key}/{service}")
-        said = json.dumps({"to": EPOCHS[service]} | arguments, ensure_ascii=False).encode()
-        self.frame = encode(self.key_expr, ask_header(seq, epoch), Ask(verb, said))
+        self._say(verb, json.dumps({"to": EPOCHS[service]} | arguments, ensure_ascii=False), seq, epoch)
         self.payload = SimpleNamespace(to_bytes=lambda: self.frame)
         self.replies = []
+
+    def _say(self, verb, arguments, seq, epoch):
+        self.frame = encode(self.key_expr, ask_header(seq, epoch), Ask(verb, arguments.encode()))
+
+    @classmethod
+    def of_text(cls, service, verb, arguments):
+        """Arguments as they stand, object or not."""
+        query = cls(service, verb)
+        query._say(verb, arguments, 0, 5)
+        return query
 
     def reply(self, key, frame):
         self.replies.append(frame)
