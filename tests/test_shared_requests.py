@@ -122,6 +122,10 @@ def test_an_older_request_that_comes_late_is_refused():
     assert "a later one" in refusal(late)
 
 
+def test_the_numbers_of_a_session_begin_at_zero():
+    assert seen(started(), ask("arm", -1), ask("arm", 0)) == ["arm"]
+
+
 def test_the_start_is_no_argument_of_the_verb():
     service = started()
     service.put(ask("arm", at=3))

@@ -26,15 +26,16 @@ def numbers(cause: int, before: GateMemory, seen: GateInput, limits: GateLimits)
 def _range(seen: GateInput, limits: GateLimits) -> tuple[float, float]:
     """The first code outside the converter's range, and the end that it is beyond."""
     for code in seen.command.codes:
-        if not limits.min_code <= code <= limits.max_code:
-            return float(code), float(limits.min_code if code < limits.min_code else limits.max_code)
+        end = max(limits.min_code, min(code, limits.max_code))
+        if code != end:
+            return float(code), float(end)
     return 0.0, 0.0
 
 
 def _slew(before: GateMemory, seen: GateInput, limits: GateLimits) -> tuple[float, float]:
     """The largest step of a code, and the limit at that moment."""
-    steps = [abs(code - stood) for code, stood in zip(seen.command.codes, before.codes, strict=True)]
-    return float(max(steps)), float(slew_codes(before, limits))
+    step = max(abs(seen.command.codes[link] - before.codes[link]) for link in range(3))
+    return float(step), float(slew_codes(before, limits))
 
 
 def _reading(seen: GateInput, limits: GateLimits) -> tuple[float, float]:
@@ -44,8 +45,9 @@ def _reading(seen: GateInput, limits: GateLimits) -> tuple[float, float]:
 
 def _unloading(seen: GateInput, limits: GateLimits) -> tuple[float, float]:
     """The first code that does not unload, and the end that it is beyond: zero current, or the largest that is allowed."""
-    for code, sign in zip(seen.command.codes, seen.permit.recover_signs, strict=True):
-        away = (code - ZERO_CODE) * sign
-        if code != ZERO_CODE and not 0 < away <= limits.recover_codes:
-            return float(code), float(ZERO_CODE + (sign * limits.recover_codes if away > 0 else 0))
+    for link in range(3):
+        code, sign = seen.command.codes[link], seen.permit.recover_signs[link]
+        end = ZERO_CODE + sign * max(0, min((code - ZERO_CODE) * sign, limits.recover_codes))
+        if code != end:
+            return float(code), float(end)
     return 0.0, 0.0
