@@ -41,6 +41,10 @@ def test_a_lease_grows_with_what_is_seen_later_but_never_while_armed_and_never_b
     assert choice.after(10 * MS, armed=False) == UNCHOSEN
 
 
+def test_a_lease_that_is_not_chosen_is_none():
+    assert UNCHOSEN == 0
+
+
 def test_a_fixed_lease_is_never_measured(clock):
     choice = LeaseChoice(fixed=True)
     clock[0] = 3_000_000_000
@@ -60,7 +64,7 @@ class Told:
 
 def test_a_probe_decides_when_and_what_it_saw_counts_with_what_the_loop_saw(clock):
     choice = LeaseChoice(Told(9 * MS), fixed=False)
-    clock[0] = 3_000_000_000
+    clock[0] = 1_000_000_000  # it measures since before this process was ready
     assert [choice.after(8 * MS, armed=False) for _ in range(2)] == [UNCHOSEN] * 2
     assert choice.after(0, armed=False) == 27 * MS
     assert choice.after(10 * MS, armed=False) == 30 * MS

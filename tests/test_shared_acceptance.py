@@ -44,6 +44,7 @@ def test_an_epoch_once_left_never_returns_however_many_came_since():
 
 
 def test_after_a_flood_of_epochs_the_bound_one_goes_on_and_no_other_is_taken():
+    assert MOST_EPOCHS == 4096
     flood = [(epoch, 0) for epoch in range(MOST_EPOCHS + 1)]
     acceptance, passed = taken([*flood, (MOST_EPOCHS + 1, 0), (0, 1), (MOST_EPOCHS, 1)])
     assert passed == [*flood, (MOST_EPOCHS, 1)]

@@ -28,20 +28,23 @@ class LeaseChoice:
         self._fixed, self._probe = fixed, probe
         self._lease_ns = MIN_LEASE_NS
         self._until_ns = time.monotonic_ns() + int(MEASURED_S * NS_PER_S)
-        self._worst_ns = 0
+        self._wanted_ns = MIN_LEASE_NS
 
     def after(self, late_ns: int, *, armed: bool) -> int:
         """Take one wake-up's lateness in; the lease in ns when it is chosen or raised now, otherwise UNCHOSEN."""
         if self._fixed:
             return UNCHOSEN
-        self._worst_ns = max(self._worst_ns, late_ns)
+        self._want(late_ns)
         if armed or not self._measured():
             return UNCHOSEN
-        lease_ns = min(lease_wanted_ns(self._worst_ns), MAX_LEASE_NS)
+        lease_ns = min(self._wanted_ns, MAX_LEASE_NS)
         if self.chosen and lease_ns <= self._lease_ns:
             return UNCHOSEN
         self.chosen, self._lease_ns = True, lease_ns
         return lease_ns
+
+    def _want(self, late_ns: int) -> None:
+        self._wanted_ns = max(self._wanted_ns, lease_wanted_ns(late_ns))
 
     def _measured(self) -> bool:
         """Whether two seconds of wake-ups are in: the probe's, or this process's own."""
@@ -50,5 +53,6 @@ class LeaseChoice:
         worst_ns = self._probe.result()
         if worst_ns is None:
             return False
-        self._worst_ns, self._until_ns, self._probe = max(self._worst_ns, worst_ns), 0, None
+        self._want(worst_ns)
+        self._until_ns, self._probe = time.monotonic_ns(), None
         return True
