@@ -7,15 +7,18 @@ from supervisor_scene import ABOUT, BIAS, CONFIG, DURATION, LEVEL, N_PER_COUNT, 
 
 from services.plant.config import GateLimits
 from services.supervisor.modes import Event
-from services.supervisor.observe import Bias, Links
+from services.supervisor.observe import Bias, Heard, Links, observe_step, watch_start
 from services.supervisor.params import below_gate, supervisor_params
+from services.supervisor.rules import first_broken
 from services.supervisor.step import SupervisorMemory, supervisor_step
 from shared.kernel import compiled
 from shared.messages import NO_COMMAND, NO_TRIAL, GateCause, GateState, Mode, TripCause
 from shared.pose import UNIMATE_GEOMETRY, forward, joint_positions
 
 HEAVY = 300  # counts: 405 N, above 334 + 60 N
+AT_REST = Heard(False, 0, True, Links(0, 0, 0, 1))
 DISARMED = SupervisorMemory()
+TOWARDS_LOW = (-1, 1, -1)  # counts; down/up counts downwards
 STOPS = [(Event.ESTOP, GateCause.NONE), (Event.NOTHING, GateCause.ESTOP)]
 supervisor_step_compiled = compiled(supervisor_step)
 
@@ -30,6 +33,11 @@ def armed(at=10):
 
 def started(at=20):
     return step(armed(at - 1), sample(at), asked(Event.START))
+
+
+def test_a_supervisor_begins_disarmed_with_nothing_latched_and_nothing_seen():
+    nothing = (0, 0, 0.0, 0.0, NO_COMMAND, NO_COMMAND, 0, 0, (0, 0, 0), watch_start(), False)
+    assert SupervisorMemory() == (Mode.DISARMED, *nothing)
 
 
 def test_an_arming_number_is_drawn_on_arming_and_stays_until_disarmed():
@@ -187,10 +195,22 @@ def test_recovery_draws_its_own_arming_and_shows_the_unloading_signs():
 def test_recovery_lasts_as_long_as_its_lease_is_renewed_and_not_a_sample_longer():
     lease = 300_000_000 // ABOUT.sample_period_ns
     memory = step(tripped(), sample(51, force_counts=HEAVY), asked(Event.HOLD_RECOVER))
-    assert step(memory, sample(51 + lease - 1, force_counts=HEAVY)).mode == Mode.RECOVER
-    assert step(memory, sample(51 + lease, force_counts=HEAVY)).mode == Mode.TRIPPED
+    let_go = step(memory, sample(51 + lease - 1, force_counts=HEAVY))
+    assert let_go.mode == Mode.RECOVER
+    assert step(let_go, sample(51 + lease, force_counts=HEAVY)).mode == Mode.TRIPPED
     renewed = step(memory, sample(51 + lease - 1, force_counts=HEAVY), asked(Event.HOLD_RECOVER))
     assert step(renewed, sample(51 + lease, force_counts=HEAVY)).mode == Mode.RECOVER
+
+
+def test_a_recovery_that_is_let_go_keeps_what_tripped_first_whatever_stands_now():
+    memory = tripped()
+    for number in range(51, 65):
+        memory = step(memory, sample(number))
+    memory = step(memory, sample(65), asked(Event.HOLD_RECOVER))
+    for seen in (sample(66), sample(66, gate=int(GateState.BURNED), force_counts=HEAVY)):
+        let_go = step(memory, seen, asked(Event.RELEASE))
+        assert (let_go.mode, let_go.cause, let_go.trip_number) == (Mode.TRIPPED, TripCause.FORCE_RAW, 50)
+        assert (let_go.measured, let_go.limit) == (HEAVY * N_PER_COUNT, CONFIG.raw_force_limit_n)
 
 
 def test_recovery_from_a_joint_limit_trips_anew_on_a_force():
@@ -201,6 +221,51 @@ def test_recovery_from_a_joint_limit_trips_anew_on_a_force():
     assert memory.mode == Mode.RECOVER
     memory = step(memory, sample(52, encoder_counts=outside, force_counts=HEAVY))
     assert (memory.mode, memory.cause, memory.trip_number) == (Mode.TRIPPED, TripCause.FORCE_RAW, 52)
+
+
+def beyond(link):
+    """Counts of the arm with this link just beyond its limit, and a count further in."""
+    outside, inside = list(LEVEL), list(LEVEL)
+    while CONFIG.joint_low_rad[link] <= joint_positions(PARAMS.observing.calibration, tuple(outside))[0][link]:
+        inside[link], outside[link] = outside[link], outside[link] + TOWARDS_LOW[link]
+    return tuple(outside), tuple(inside)
+
+
+@pytest.mark.parametrize("link", range(3))
+def test_recovery_goes_on_while_its_cause_stands_and_when_it_has_gone(link):
+    outside, inside = beyond(link)
+    memory = step(running(watch=watched(49, encoder_counts=outside)), sample(50, 5, encoder_counts=outside))
+    signs = tuple(int(i == link) for i in range(3))
+    for number, counts in ((51, outside), (52, outside), (53, inside), (54, inside)):
+        memory = step(memory, sample(number, encoder_counts=counts), asked(Event.HOLD_RECOVER))
+        assert (memory.mode, memory.cause, memory.recover_signs) == (Mode.RECOVER, TripCause.JOINT_LIMIT, signs)
+
+
+def test_a_latched_direction_is_recovered_in_after_its_cause_has_gone():
+    memory = tripped()
+    for number in range(51, 65):
+        memory = step(memory, sample(number))
+    assert first_broken(observe_step(memory.watch, PARAMS.observing, sample(65), AT_REST)[1], PARAMS.limits)[0] == 0
+    memory = step(memory, sample(65), asked(Event.HOLD_RECOVER))
+    assert (memory.mode, memory.cause, memory.recover_signs) == (Mode.RECOVER, TripCause.FORCE_RAW, (0, -1, 0))
+
+
+def test_what_stands_now_is_recovered_from_where_the_latched_cause_led_nowhere():
+    outside, inside = beyond(0)
+    cut = sample(50, 5, encoder_counts=inside, gate=int(GateState.BURNED))
+    memory = step(running(watch=watched(49, encoder_counts=inside)), cut)
+    assert (memory.cause, memory.recover_signs) == (TripCause.GATE_CUT, (0, 0, 0))
+    memory = step(memory, sample(51, encoder_counts=outside), asked(Event.HOLD_RECOVER))
+    assert (memory.mode, memory.cause, memory.recover_signs) == (Mode.RECOVER, TripCause.JOINT_LIMIT, (1, 0, 0))
+
+
+def test_recovery_of_two_joints_goes_on_when_the_first_of_them_is_back():
+    (low, inside), other = beyond(0), beyond(1)[0][1]
+    both, one = (low[0], other, *LEVEL[2:]), (inside[0], other, *LEVEL[2:])
+    memory = step(running(watch=watched(49, encoder_counts=both)), sample(50, 5, encoder_counts=both))
+    for number, counts in ((51, both), (52, one)):
+        memory = step(memory, sample(number, encoder_counts=counts), asked(Event.HOLD_RECOVER))
+        assert (memory.mode, memory.recover_signs) == (Mode.RECOVER, (1, 1, 0))
 
 
 @pytest.mark.parametrize(("axis", "sign"), [(2, 1.0), (2, -1.0), (0, 1.0), (0, -1.0)])
@@ -280,6 +345,26 @@ def test_among_force_causes_recovery_goes_on():
 def test_beyond_a_joint_limit_recovery_leads_inward(counts, signs):
     memory = step(running(watch=watched(49, encoder_counts=counts)), sample(50, 5, encoder_counts=counts))
     assert (memory.cause, memory.recover_signs) == (TripCause.JOINT_LIMIT, signs)
+
+
+def test_a_joint_on_its_limit_is_led_nowhere_while_another_is_led_back():
+    counts = beyond(1)[0]
+    q_rad = joint_positions(PARAMS.observing.calibration, counts)[0]
+    low, high = CONFIG.joint_low_rad[1], CONFIG.joint_high_rad[1]
+    for lows, highs in (((q_rad[0], low, -9.0), (9.0, high, q_rad[2])), ((-9.0, low, q_rad[2]), (q_rad[0], high, 9.0))):
+        limits = PARAMS.limits._replace(config=CONFIG._replace(joint_low_rad=lows, joint_high_rad=highs))
+        stands = running(watch=watched(49, encoder_counts=counts))
+        memory = step(stands, sample(50, 5, encoder_counts=counts), params=PARAMS._replace(limits=limits))
+        assert (memory.cause, memory.recover_signs) == (TripCause.JOINT_LIMIT, (0, 1, 0))
+
+
+def test_the_last_of_the_force_causes_has_a_direction_too():
+    biased = watched(49, bias=Bias(50.0, 0.0, 0.0, 0.0, BIAS))
+    memory = step(running(watch=biased), sample(50, 5))
+    assert (memory.cause, memory.recover_signs) == (TripCause.FORCE_BELOW_BIAS, (0, -1, 0))
+    for number, counts in ((51, 4), (52, HEAVY)):  # a worse one among them does not end its recovery
+        memory = step(memory, sample(number, force_counts=counts), asked(Event.HOLD_RECOVER))
+        assert (memory.mode, memory.cause) == (Mode.RECOVER, TripCause.FORCE_BELOW_BIAS)
 
 
 def test_a_cause_without_a_direction_cannot_be_recovered_from():

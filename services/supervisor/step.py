@@ -109,12 +109,10 @@ def _elsewhere(memory: SupervisorMemory, params: SupervisorParams, seen: Observe
 
 @kernel
 def _on_top(memory: SupervisorMemory, params: SupervisorParams, seen: Observed, broken: int) -> bool:
-    """Recovering has met another cause, more severe or of another direction: it trips anew."""
+    """Recovering has met another cause, more severe or of another direction: it trips anew. All of force are one."""
     if broken == 0 or broken == memory.cause:
         return False
-    elsewhere = _elsewhere(memory, params, seen, broken)
-    both_force = broken <= _LAST_OF_FORCE and memory.cause <= _LAST_OF_FORCE
-    return elsewhere or (broken < memory.cause and not both_force)
+    return _elsewhere(memory, params, seen, broken) or (broken < memory.cause and memory.cause > _LAST_OF_FORCE)
 
 
 @kernel
