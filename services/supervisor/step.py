@@ -112,7 +112,7 @@ def _on_top(memory: SupervisorMemory, params: SupervisorParams, seen: Observed, 
     """Recovering has met another cause, more severe or of another direction: it trips anew. All of force are one."""
     if broken == 0 or broken == memory.cause:
         return False
-    return _elsewhere(memory, params, seen, broken) or (broken < memory.cause and memory.cause > _LAST_OF_FORCE)
+    return _elsewhere(memory, params, seen, broken) or memory.cause > max(broken, _LAST_OF_FORCE)
 
 
 @kernel
