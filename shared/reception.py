@@ -47,6 +47,6 @@ def told(inboxes: Iterable[Counting]) -> dict[str, dict[str, int]]:
     """The same for a status: what is not zero, by topic."""
     made = {}
     for inbox in inboxes:
-        counts = inbox_counts(inbox.topic.key, inbox.acceptance)._asdict()
-        made[counts.pop("topic")] = {name: count for name, count in counts.items() if count}
+        topic, *counts = inbox_counts(inbox.topic.key, inbox.acceptance)
+        made[topic] = {name: count for name, count in zip(InboxCounts._fields[1:], counts, strict=True) if count}
     return made
