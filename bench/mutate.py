@@ -35,7 +35,7 @@ TESTS = {
     "services/plant/ledger.py": ["tests/test_plant_ledger.py"],
     "services/plant/lease.py": ["tests/test_plant_lease.py"],
     "services/plant/numbers.py": ["tests/test_plant_numbers.py"],
-    "services/plant/gatekeeper.py": ["tests/test_plant_gatekeeper.py"],
+    "services/plant/gatekeeper.py": ["tests/test_plant_gatekeeper.py", "tests/test_plant_gatekeeper_clock.py"],
     "shared/acceptance.py": ["tests/test_shared_acceptance.py"],
     "shared/codec.py": ["tests/test_shared_codec.py"],
     "shared/protection.py": ["tests/test_shared_protection.py"],
