@@ -81,9 +81,10 @@ def observe_step(watch: Watch, observing: Observing, sample: Sample, heard: Hear
     counts = (sample.encoder_counts[0], sample.encoder_counts[1], sample.encoder_counts[2])
     pose = Pose(counts, q_rad, pitch_rad, tip_m)
     motion, motion_seen = motion_step(watch.motion, observing.codes, pose, sample.dac_counts, follows, dt_ns)
-    way_m = (tip_m[observing.force_axis] - watch.motion.tip_m[observing.force_axis]) * -observing.force_sign
+    before_m = watch.motion.tip_m if follows else tip_m
+    way_m = (tip_m[observing.force_axis] - before_m[observing.force_axis]) * -observing.force_sign
     speed = motion.tip_m_per_s[observing.force_axis]
-    push = Push(follows, way_m if follows else 0.0, speed, dt_ns, bias.mean_n, bias.spread_n)
+    push = Push(follows, way_m, speed, dt_ns, bias.mean_n, bias.spread_n)
     raw_n = sample.force_counts * observing.calibration.force_n_per_count
     force, gauge_seen = force_step(
         watch.force, push, sample.force_counts, raw_n, observing.quiet_counts, observing.contact_level_n
