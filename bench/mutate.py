@@ -37,6 +37,7 @@ TESTS = {
     "services/plant/numbers.py": ["tests/test_plant_numbers.py"],
     "services/plant/gatekeeper.py": ["tests/test_plant_gatekeeper.py", "tests/test_plant_gatekeeper_clock.py"],
     "shared/acceptance.py": ["tests/test_shared_acceptance.py"],
+    "shared/inbox.py": ["tests/test_shared_inbox.py"],
     "shared/codec.py": ["tests/test_shared_codec.py"],
     "shared/protection.py": ["tests/test_shared_protection.py"],
     "shared/timeliness.py": ["tests/test_shared_timeliness.py"],

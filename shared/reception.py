@@ -47,6 +47,7 @@ def told(inboxes: Iterable[Counting]) -> dict[str, dict[str, int]]:
     """The same for a status: what is not zero, by topic."""
     made = {}
     for inbox in inboxes:
-        topic, *counts = inbox_counts(inbox.topic.key, inbox.acceptance)
-        made[topic] = {name: count for name, count in zip(InboxCounts._fields[1:], counts, strict=True) if count}
+        counts = inbox_counts(inbox.topic.key, inbox.acceptance)._asdict()
+        topic = counts.pop("topic")
+        made[topic] = {name: count for name, count in counts.items() if count}
     return made

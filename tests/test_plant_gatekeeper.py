@@ -141,6 +141,7 @@ def test_an_arming_that_waits_while_a_trial_begins_is_not_burned():
 def test_strangers_never_stop_a_cell(key):
     scene = Scene()
     scene.run(codes=MOVING)
+    assert scene.keeper.permits.acceptance.other_run == scene.keeper.commands.acceptance.other_run == 0
     scene.bus.send(key, header(key, 999, cell="elsewhere"), permit_body() if "permit" in key else command_body())
     scene.bus.send(key, header(key, 999, run=4), permit_body() if "permit" in key else command_body())
     scene.bus.send_bytes(key, b"noise that nobody sent")
