@@ -30,6 +30,7 @@ TESTS = {
     "services/supervisor/observe_force.py": ["tests/test_supervisor_observe_force.py"],
     "services/supervisor/observe_motion.py": ["tests/test_supervisor_observe_motion.py"],
     "services/supervisor/modes.py": ["tests/test_supervisor_modes.py"],
+    "services/supervisor/agreement.py": ["tests/test_supervisor_agreement.py"],
     "services/supervisor/step.py": ["tests/test_supervisor_step.py", "tests/test_supervisor_reset.py"],
     "services/plant/mailbox.py": ["tests/test_plant_mailbox.py"],
     "services/plant/ledger.py": ["tests/test_plant_ledger.py"],

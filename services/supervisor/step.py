@@ -1,5 +1,6 @@
 """One step of the supervisor: observe, judge, change mode, issue the permit. Verdict n is a function of sample n."""
 
+import math
 from typing import NamedTuple
 
 from services.supervisor.modes import (
@@ -180,7 +181,7 @@ def _unloading(params: SupervisorParams, seen: Observed, cause: int) -> tuple[in
     A force along z is unloaded by link 2 (positive down), one along x by link 3 (positive out).
     """
     if _ESTOP <= cause <= _LAST_OF_FORCE:
-        away = 1 if params.observing.force_sign > 0.0 else -1
+        away = int(math.copysign(1.0, params.observing.force_sign))
         return (0, -away, 0) if params.observing.force_axis == 2 else (0, 0, away)
     if cause == _JOINT_LIMIT:
         config = params.limits.config
