@@ -1,3 +1,4 @@
+import itertools
 import math
 
 import pytest
@@ -356,6 +357,20 @@ def test_a_joint_on_its_limit_is_led_nowhere_while_another_is_led_back():
         stands = running(watch=watched(49, encoder_counts=counts))
         memory = step(stands, sample(50, 5, encoder_counts=counts), params=PARAMS._replace(limits=limits))
         assert (memory.cause, memory.recover_signs) == (TripCause.JOINT_LIMIT, (0, 1, 0))
+
+
+@pytest.mark.parametrize("link", range(3))
+@pytest.mark.parametrize("sign", [-1, 1])
+def test_each_joint_is_led_back_by_its_own_limits_and_no_other(link, sign):
+    counts = (2000, 600, 700, 0, 33)
+    q_rad = joint_positions(PARAMS.observing.calibration, counts)[0]
+    assert min(abs(a - b) for a, b in itertools.combinations(q_rad, 2)) > 0.2
+    middle = tuple(q + 0.02 * sign * (i == link) for i, q in enumerate(q_rad))
+    lows, highs = (tuple(q + way for q in middle) for way in (-0.01, 0.01))
+    limits = PARAMS.limits._replace(config=CONFIG._replace(joint_low_rad=lows, joint_high_rad=highs))
+    stands = running(watch=watched(49, encoder_counts=counts))
+    memory = step(stands, sample(50, 5, encoder_counts=counts), params=PARAMS._replace(limits=limits))
+    assert (memory.cause, memory.recover_signs) == (TripCause.JOINT_LIMIT, tuple(sign * (i == link) for i in range(3)))
 
 
 def test_the_last_of_the_force_causes_has_a_direction_too():
