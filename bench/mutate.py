@@ -149,6 +149,7 @@ def _ended(running: dict[int, str]) -> Iterator[str]:
 
 
 def _test(module: str, tree: ast.Module) -> int:
+    import hypothesis
     import pytest
 
     import shared.kernel
@@ -156,6 +157,8 @@ def _test(module: str, tree: ast.Module) -> int:
     quiet = os.open(os.devnull, os.O_WRONLY)
     os.dup2(quiet, 1)
     os.dup2(quiet, 2)
+    hypothesis.settings.register_profile("mutants", deadline=None, derandomize=True, database=None)
+    hypothesis.settings.load_profile("mutants")  # a slow host kills no mutant, and the same ones survive every time
     shared.kernel.compiled = lambda function: function
     name = module.removesuffix(".py").replace("/", ".")
     parent, _, own = name.rpartition(".")
