@@ -33,6 +33,7 @@ def ended(rig: Rig, dice: Random, number: int, how: signal.Signals, everything: 
         line = [sys.executable, "-m", "services.operator.cli", "run", str(experiment), "--rrd", str(recording), "--unqualified"]
         line += [*place.words, *rig.extra.get("plant", [])]
         quiet = subprocess.DEVNULL
+        signal.signal(signal.SIGINT, signal.default_int_handler)  # in the background of a shell it is ignored, and inherited so
         run = subprocess.Popen(line, cwd=folder, stdout=quiet, stderr=quiet, start_new_session=True)  # its reports stay there
         try:
             with cells.operator_bus(place) as bus:
@@ -58,7 +59,10 @@ def _ended(observer: Observer, run: "subprocess.Popen[bytes]", dice: Random, how
     heard = observer.listen_for(BOUND_S + 0.3)
     at_ns = zero_at(heard, blow_ns)
     last_ns = heard.samples[-1].arrival_ns
-    run.wait(PATIENCE_S)
+    try:
+        run.wait(PATIENCE_S)
+    except subprocess.TimeoutExpired:
+        return Trial(False, f"it still runs {PATIENCE_S:g} s after the signal", bound_s=BOUND_S)
     way_mm, force_n = moved(heard, blow_ns)
     at_ns = at_ns or last_ns  # no sample tells of zero any more: the plant itself has ended, and its last act is to write it
     reaction_s = max(0, at_ns - blow_ns) / NS_PER_S
