@@ -12,7 +12,7 @@ from experiments.experiment import Experiment
 from services.operator.cell import CellError
 from services.plant.config import latch_substeps
 from shared.codec import Received
-from shared.faults import Fault
+from shared.faults import Fault, ticks_of
 from shared.messages import GateCause, Mode, TripCause
 from shared.units import NS_PER_S, SUBSTEP_NS, SUBSTEP_S
 
@@ -21,7 +21,7 @@ AFTER_S = 1.2  # of the trial, after the fault has begun
 LOSSY_S = 6.0  # a run of losses takes a while to come
 QUIET_S = 0.1  # of wall time, after the trial has ended
 PATIENCE_S = 30.0
-T_S = SWING.plant.sample_period_substeps * SUBSTEP_S
+T_S, T_NS = SWING.plant.sample_period_substeps * SUBSTEP_S, SWING.plant.sample_period_substeps * SUBSTEP_NS
 LATCH_S = latch_substeps(SWING.plant._replace(jitter_substeps=0)) * SUBSTEP_S
 Faults = Callable[[float, float], tuple[Fault, ...]]  # of the instant at which they begin and the lease, in s
 
@@ -40,10 +40,11 @@ def played(rig: Rig, dice: Random, faults: Faults, after_s: float = AFTER_S) -> 
     """What was heard of a trial, and where in its samples the first one is that has the fault."""
     rig.calm()
     at_s, lease_s = dice.uniform(*AT_S), rig.lease_s()
-    rig.started(trial_of(faults(at_s, lease_s), at_s + after_s), dice.randrange(1 << 32), "lockstep")
+    broken = faults(at_s, lease_s)
+    rig.started(trial_of(broken, at_s + after_s), dice.randrange(1 << 32), "lockstep")
     rig.await_(lambda: _over(rig), "the trial's end", PATIENCE_S)
     heard = rig.observer.listen_for(QUIET_S)
-    first = next((i for i, m in enumerate(heard.samples) if _has(m, at_s)), None)
+    first = next((i for i, m in enumerate(heard.samples) if _has(m, broken[0])), None)
     if first is None:
         causes = ", ".join(GateCause(m.body.cause).name for m in heard.gates)
         raise CellError(f"the trial ended before its fault: {rig.words()}; the gate's decisions: {causes}")
@@ -127,18 +128,20 @@ def delayed(share: float) -> Faults:
 def live(rig: Rig, dice: Random, number: int, target: str) -> Trial:
     """A partition with the wall clock: from the arrival of the first sample that has it."""
     at_s = dice.uniform(*AT_S)
-    experiment = motion(number)._replace(faults=(Fault("partition", target, at_s),))
+    fault = Fault("partition", target, at_s)
+    experiment = motion(number)._replace(faults=(fault,))
     rig.started(experiment, dice.randrange(1 << 32))
     burned = int(rig.status("plant")["burned_armings"])
     lease_s = rig.lease_s()
-    rig.await_(lambda: any(_has(m, at_s) for m in rig.observer.listen().samples[-20:]), "the partition")
+    rig.await_(lambda: any(_has(m, fault) for m in rig.observer.listen().samples[-20:]), "the partition")
     heard = rig.observer.listen_for(lease_s + WATCHED_S)
-    blow_ns = next(m.arrival_ns for m in heard.samples if _has(m, at_s))
+    blow_ns = next(m.arrival_ns for m in heard.samples if _has(m, fault))
     return confirmed(rig, judged(heard, blow_ns, lease_and_period(lease_s)), burned, tripped=True)
 
 
-def _has(sample: Received, at_s: float) -> bool:
-    return bool(sample.body.tick >= 0 and sample.body.trial_time_ns >= at_s * NS_PER_S)
+def _has(sample: Received, fault: Fault) -> bool:
+    """By its tick, as the services count: with jitter a trial's time wanders off the nominal one by whole periods."""
+    return bool(sample.body.tick >= ticks_of(fault, T_NS)[0])
 
 
 def lease_and_period(lease_s: float) -> float:
