@@ -20,6 +20,10 @@ def test_where_everything_is_known_and_equal_nothing_keeps_it_from_arming():
     assert disagreement(AGREED) == ""
 
 
+def test_any_lease_that_the_plant_has_chosen_is_one():
+    assert disagreement(AGREED._replace(about=ABOUT._replace(permit_ttl_ns=1))) == ""
+
+
 @pytest.mark.parametrize(
     ("changes", "words"),
     [
