@@ -45,6 +45,9 @@ TESTS = {
     "shared/reception.py": ["tests/test_shared_reception.py"],
     "shared/requests.py": ["tests/test_shared_requests.py", "tests/test_shared_bus.py"],
 }
+EQUIVALENT = {  # changes that no test can see, and why; they are not tried
+    "shared/codec.py": {"if arrays: always True": "of a message without arrays the same checks hold of nothing, a tenth slower"},
+}
 COMPARISONS: dict[type[ast.cmpop], tuple[type[ast.cmpop], ...]] = {
     ast.Lt: (ast.LtE, ast.Gt),
     ast.LtE: (ast.Lt, ast.Gt),
@@ -60,19 +63,20 @@ CPU_S, TIMEOUT_S = 60, 600  # a test that computes or waits for ever is a mutant
 Change = Callable[[Any], object]
 
 
-def mutants(tree: ast.Module) -> Iterator[tuple[str, ast.Module]]:
+def mutants(module: str, tree: ast.Module) -> Iterator[tuple[str, ast.Module]]:
     """Every mutant of a module, with the line and what was changed."""
-    nodes = list(ast.walk(tree))
-    for index, node in enumerate(nodes):
+    for index, node in enumerate(ast.walk(tree)):
         for words, change in _changes(node):
+            if words in EQUIVALENT.get(module, {}):
+                continue
             mutant = copy.deepcopy(tree)
             change(list(ast.walk(mutant))[index])
             yield f"{getattr(node, 'lineno', 0)}: {words}", mutant
 
 
-def tried(tree: ast.Module) -> int:
+def tried(module: str, tree: ast.Module) -> int:
     """How many mutants there are."""
-    return sum(1 for node in ast.walk(tree) for _ in _changes(node))
+    return sum(words not in EQUIVALENT.get(module, {}) for node in ast.walk(tree) for words, _ in _changes(node))
 
 
 def _changes(node: ast.AST) -> Iterator[tuple[str, Change]]:
@@ -128,8 +132,8 @@ def begun(module: str, tree: ast.Module) -> int:
 def survivors(module: str, tree: ast.Module, jobs: int) -> Iterator[str]:
     """Those mutants that every test passes, in words; `jobs` of them are tried at once."""
     running: dict[int, str] = {}
-    count = tried(tree)
-    for k, (words, mutant) in enumerate(mutants(tree), 1):
+    count = tried(module, tree)
+    for k, (words, mutant) in enumerate(mutants(module, tree), 1):
         if len(running) == jobs:
             yield from _ended(running)
         running[begun(module, ast.fix_missing_locations(mutant))] = words
@@ -187,8 +191,8 @@ def main(chosen: list[str], jobs: int) -> int:
         for words in survivors(module, tree, jobs):
             found += 1
             print(f"{module}:{words}", flush=True)
-        print(f"{module}: {tried(tree)} mutants, {found} survived", flush=True)
-        total, alive = total + tried(tree), alive + found
+        print(f"{module}: {tried(module, tree)} mutants, {found} survived", flush=True)
+        total, alive = total + tried(module, tree), alive + found
     print(f"{total} mutants, {alive} survived")
     return int(alive > 0)
 

@@ -83,7 +83,7 @@ def decode(key: str, topic: Topic, cell: str, frame: bytes, arrival_ns: int) -> 
 
     limit = MAX_REQUEST_BYTES if topic.key.startswith("operator/") else MAX_FRAME_BYTES
     if not _CRC_BYTES < len(frame) <= limit:
-        cause = "oversized" if len(frame) > limit else "malformed"
+        cause = "malformed" if len(frame) <= _CRC_BYTES else "oversized"
         return reject(cause, f"{len(frame)} bytes, expected {_CRC_BYTES + 1} to {limit}")
     packed = frame[:-_CRC_BYTES]
     fields = _unpacked(packed)

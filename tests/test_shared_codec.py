@@ -12,7 +12,7 @@ from hypothesis import strategies as st
 from wire_scene import CELL, command_body, header
 
 from shared.codec import MAX_FRAME_BYTES, MAX_REQUEST_BYTES, WIRE_VERSION, Header, Received, Rejected, crc, decode, encode
-from shared.messages import Command
+from shared.messages import Command, InboxCounts
 from shared.topics import BY_KEY, BY_SCHEMA, expression
 
 COMMAND = BY_KEY["controller/command"]
@@ -149,6 +149,55 @@ def test_a_body_that_is_no_array_is_malformed(body):
     assert read(with_body(body)).cause == "malformed"
 
 
+COUNTS = ["controller/command", *[0] * (len(InboxCounts._fields) - 1)]
+
+
+@pytest.mark.parametrize("wrong", [COUNTS[:-1], [*COUNTS, 0], [*COUNTS[:-1], 0.0], [*COUNTS[:-1], True], [], 5, None, "text"])
+def test_a_message_is_malformed_if_one_inside_it_is(wrong):
+    topic = BY_KEY["plant/reception"]
+    key = expression(CELL, topic.key)
+
+    def told(*inboxes):
+        return decode(key, topic, CELL, sealed([*header(topic.key), [5, inboxes]], key), 0)
+
+    assert told(COUNTS, COUNTS).body == (5, (tuple(COUNTS), tuple(COUNTS)))
+    for inboxes in ((wrong,), (COUNTS, wrong), (wrong, COUNTS)):
+        assert told(*inboxes).cause == "malformed"
+
+
+def with_one_int(hint, value):
+    """Values of a field's type in which everything is zero or empty but one int, each in turn; a hint without ints has none."""
+    if hint is int:
+        yield value
+        return
+    parts = parts_of(hint)
+    for i, part in enumerate(parts):
+        for made in with_one_int(part, value):
+            yield tuple(made if j == i else zero(other) for j, other in enumerate(parts))
+
+
+def parts_of(hint):
+    if get_origin(hint) is Annotated:
+        kind, *bounds = get_args(hint)
+        return [get_args(kind)[0]] * next(bound.min_length for bound in bounds if isinstance(bound, Len))
+    if get_origin(hint) is tuple:
+        return [get_args(hint)[0]] * 2
+    return list(get_type_hints(hint, include_extras=True).values()) if hasattr(hint, "_fields") else []
+
+
+def zero(hint):
+    return hint() if hint in (int, float, str, bytes) else tuple(map(zero, parts_of(hint)))
+
+
+@pytest.mark.parametrize("topic", BY_SCHEMA.values(), ids=lambda topic: topic.key)
+def test_no_int_of_a_message_is_larger_than_64_bits_wherever_it_stands(topic):
+    key = expression(CELL, topic.key)
+    head = Header(1, topic.schema, CELL, 0, b"", topic.publisher or "anyone", 0, 0, 0, 0, 0)
+    for value, taken in ((2**63 - 1, Received), (2**63, Rejected)):
+        for body in with_one_int(topic.message, value):
+            assert isinstance(decode(key, topic, CELL, sealed([*head, body], key), 0), taken)
+
+
 def test_an_int_is_no_float():
     topic = BY_KEY["plant/gate"]
     key = expression(CELL, topic.key)
@@ -164,6 +213,10 @@ def test_an_int_is_no_float():
 @pytest.mark.parametrize("fields", [[], {}, 5, None, "text", [1], [[1]], [1, 5]], ids=str)
 def test_what_is_no_frame_at_all_is_refused(fields):
     assert isinstance(read(sealed(fields)), Rejected)
+
+
+def test_a_frame_that_holds_no_more_than_a_checksum_is_malformed():
+    assert [read(bytes(length)).cause for length in (0, 3, 4, 5)] == ["malformed", "malformed", "malformed", "crc"]
 
 
 def test_a_frame_may_be_as_long_as_its_limit_and_no_longer():
