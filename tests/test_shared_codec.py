@@ -222,6 +222,7 @@ def test_what_is_no_frame_at_all_is_refused(fields):
 
 def test_a_frame_that_holds_no_more_than_a_checksum_is_malformed():
     assert [read(bytes(length)).cause for length in (0, 3, 4, 5)] == ["malformed", "malformed", "malformed", "crc"]
+    assert read(bytes(4)).detail == "4 bytes, expected 5 to 4096"
 
 
 def test_a_frame_may_be_as_long_as_its_limit_and_no_longer():
