@@ -159,9 +159,10 @@ def _shape(message: Any) -> Callable[[Any], Any]:
 
 def _picked(places: list[int]) -> Callable[[Any], tuple[Any, ...]]:
     """The elements at `places`, as a tuple whatever their number."""
-    if len(places) > 1:
-        return itemgetter(*places)
-    return itemgetter(slice(places[0], places[0] + 1) if places else slice(0))
+    if len(places) == 1:
+        (place,) = places
+        return itemgetter(slice(place, place + 1))
+    return itemgetter(*places) if places else itemgetter(slice(0))
 
 
 def _built(message: Any, values: tuple[Any, ...], inner: list[tuple[int, Callable[[Any], Any]]]) -> Any:
