@@ -1,10 +1,13 @@
-"""What every test may count on: a live cell writes its trip reports into a folder of the tests, not among the user's."""
+"""What every test may count on: live cells report trips into a folder of the tests, and what they start hears Ctrl-C."""
 
 import os
+import signal
 from collections.abc import Iterator
 from pathlib import Path
 
 import pytest
+
+signal.signal(signal.SIGINT, signal.default_int_handler)  # in the background of a shell it is ignored, and inherited so
 
 
 @pytest.fixture(scope="module", autouse=True)
