@@ -200,3 +200,12 @@ def test_a_stall_before_the_first_tick_burns_the_arming_only_where_the_wall_cloc
     scene.wall.at(due_ns, lambda: setattr(scene.wall, "now_ns", due_ns + stalled_ns))
     scene.plant.sample()
     assert scene.plant.keeper.burned == burned
+
+
+def test_a_stall_while_recovering_burns_the_arming_in_a_lockstep_cell_too(monkeypatch):
+    scene = Scene(monkeypatch, "lockstep", opened=False)
+    scene.plant.keeper.gate = scene.plant.keeper.gate._replace(state=int(GateState.RECOVERING), arming=77)
+    due_ns = scene.plant.grid.instant_ns(scene.plant.due)
+    scene.wall.at(due_ns, lambda: setattr(scene.wall, "now_ns", due_ns + LEASE_NS + 1))
+    scene.plant.sample()
+    assert scene.plant.keeper.burned == {77}

@@ -18,7 +18,7 @@ from shared.clock import SLACK_NS, Grid
 from shared.codec import Received
 from shared.converters import ZERO_CODE
 from shared.live_faults import LiveFaults
-from shared.messages import NO_TRIAL, FaultEvent, Mode, Sample, Truth
+from shared.messages import NO_TRIAL, FaultEvent, GateState, Mode, Sample, Truth
 from shared.reception import due
 from shared.units import SUBSTEP_NS
 
@@ -213,7 +213,8 @@ class Plant:
             self.keeper.limits = self.keeper.limits._replace(permit_ttl_ns=lease_ns, command_ttl_ns=lease_ns)
             self.device.watchdog(lease_ns // SUBSTEP_NS)
             self.tell_about()
-        if self.lease.chosen and not self.schedule.lockstep and late_ns > self.keeper.limits.permit_ttl_ns:
+        awaits_lockstep = self.schedule.lockstep and self.keeper.gate.state == GateState.SHUT  # RECOVER goes by the wall
+        if self.lease.chosen and not awaits_lockstep and late_ns > self.keeper.limits.permit_ttl_ns:
             self.keeper.judge(self.now_ns(), at_latch=False, overslept=True)
 
     def _heed_stops(self) -> None:
