@@ -6,6 +6,7 @@ Every session tries for ever, so the order of starting does not matter. Liveline
 
 import errno
 import json
+import os
 import socket
 import threading
 import time
@@ -14,8 +15,12 @@ from contextlib import contextmanager
 from types import TracebackType
 from typing import Any, NamedTuple
 
+# One thread receives: by default each frame wakes two, one that polls and one that reads. The transport looks when it opens.
+os.environ.setdefault("ZENOH_RUNTIME", "(net:(worker_threads:1),rx:(handover:net),acc:(handover:net))")
+
 import zenoh
 
+from shared.attached import stay_attached
 from shared.codec import WIRE_VERSION, Header, Received, decode, encode
 from shared.detour import Conditions, idle
 from shared.endpoints import HERE, LISTENERS, Network, address, configuration, listener, router_configuration
@@ -23,6 +28,7 @@ from shared.inbox import RING, Inbox
 from shared.messages import NO_COMMAND, Answer, Ask
 from shared.requests import REPEATABLE, TO, Request, Requests
 from shared.topics import ANSWER, ASK, BY_KEY, Topic, expression
+from shared.turns import Turns
 
 DEFAULT_PORT = 7450
 _TAKEN = "a {service} runs there already; stop it (`hydrohil down`) or give this cell other ports (`--port N`)"
@@ -69,6 +75,8 @@ class Bus:
         self._port_base, self._network = port_base, network
         self._lock = threading.Lock()
         self._lock.acquire()
+        self._turns: Turns | None = None  # what steps where a frame arrives
+        self._failure: BaseException | None = None  # of such a step
         self._seq: dict[str, int] = {}
         self._publishers: dict[tuple[str, bool], Any] = {}
 
@@ -100,12 +108,36 @@ class Bus:
         except RuntimeError:  # already awake
             return
 
+    def attend(self, turns: Turns) -> None:
+        """From now on the transport's thread steps as soon as a frame is there, and `wait` wakes for requests alone.
+
+        While faults act on what arrives it only wakes: a frame that is delayed comes when nothing arrives.
+        """
+        self._turns = turns
+
+    def _arrived(self) -> None:
+        """Transport's callback, after a frame was put into its ring."""
+        stay_attached()
+        if self._turns is None or any(inbox.detour is not None for inbox in self._inboxes):
+            return self.wake()
+        try:
+            self._turns.take()
+        except BaseException as failure:  # the transport would log it and go on
+            self._failure = failure
+            self.wake()
+
     def wait(self, timeout_s: float) -> bool:
-        """Sleep until something arrives, or a frame that a fault delays comes; False after `timeout_s`."""
+        """Sleep until something arrives, or a frame that a fault delays comes; False after `timeout_s`.
+
+        Raises what a step has raised that the transport's thread took.
+        """
         for inbox in self._inboxes:
             if inbox.detour is not None:
                 timeout_s = min(timeout_s, (inbox.detour.next_ns() - time.monotonic_ns()) * 1e-9)
-        return self._lock.acquire(timeout=max(0.0, timeout_s))
+        woken = self._lock.acquire(timeout=max(0.0, timeout_s))
+        if self._failure is not None:
+            raise self._failure
+        return woken
 
     def impair(self, conditions: Conditions) -> None:
         """From now on these faults act on what this service receives; a way that none touches stays free of cost."""
@@ -115,7 +147,7 @@ class Bus:
 
     def subscribe(self, key: str, depth: int = RING) -> Inbox:
         """A ring fed by one topic."""
-        inbox = Inbox(BY_KEY[key], self.identity.cell, depth, self.wake)
+        inbox = Inbox(BY_KEY[key], self.identity.cell, depth, self._arrived)
         handler = zenoh.handlers.Callback(inbox.put, indirect=False)
         self._inboxes[inbox] = self._session.declare_subscriber(expression(self.identity.cell, key), handler)
         return inbox
@@ -128,6 +160,7 @@ class Bus:
         """Bare payloads of a topic, for who measures the transport: `take` runs in its callback."""
 
         def heard(sample: Any) -> None:
+            stay_attached()
             take(sample.payload.to_bytes())
             self.wake()
 

@@ -1,9 +1,17 @@
+import random
+import threading
+import time
 from types import SimpleNamespace
 
-from wire_scene import CELL, EPOCHS, Query
+import pytest
+from wire_scene import CELL, EPOCHS, Query, state_body
 
 from shared.bus import Bus
-from shared.inbox import RING
+from shared.detour import Conditions
+from shared.faults import Fault
+from shared.inbox import RING, Inbox
+from shared.topics import BY_KEY
+from shared.turns import Turns
 
 
 def asked(*verbs):
@@ -57,3 +65,65 @@ def test_a_flood_of_requests_that_speak_of_a_stop_ends_at_the_ring():
     assert bus.stops() == []
     bus._asked(Query("plant", "estop", 3 * RING))
     assert bus.requests()[0].verb == "estop"
+
+
+class Stepped:
+    """A bus whose step runs where a frame arrives, as the transport's thread would call it."""
+
+    def __init__(self, step):
+        self.bus, self.by = Bus("controller", CELL, 7450, EPOCHS["controller"]), []
+        self.inbox = Inbox(BY_KEY["plant/sample"], CELL, RING, self.bus._arrived)
+        self.bus._inboxes[self.inbox] = None
+        self.bus.attend(Turns(step))
+
+    def arrive(self):
+        sample = SimpleNamespace(payload=SimpleNamespace(to_bytes=lambda: b"frame"))
+        transport = threading.Thread(target=self.inbox.put, args=(sample,), name="transport")
+        transport.start()
+        transport.join(10.0)
+
+
+def test_a_step_runs_in_the_thread_that_brings_the_frame_and_nobody_else_is_woken():
+    by = []
+    scene = Stepped(lambda: by.append(threading.current_thread().name))
+    scene.arrive()
+    assert by == ["transport"]
+    assert not scene.bus.wait(0.0)
+
+
+def test_what_a_step_raises_in_the_transport_s_thread_ends_who_waits():
+    def step():
+        raise ArithmeticError("broken")
+
+    scene = Stepped(step)
+    scene.arrive()
+    with pytest.raises(ArithmeticError, match="broken"):
+        scene.bus.wait(0.0)
+
+
+def test_while_a_fault_acts_on_a_way_a_frame_wakes_who_knows_when_it_is_to_come():
+    by = []
+    scene = Stepped(lambda: by.append(1))
+    cut = Fault("partition", "plant>controller")
+    scene.bus.impair(Conditions("controller", (cut,), seed=1, period=90, ticks=(0, 9), lockstep=False))
+    scene.arrive()
+    assert by == []
+    assert scene.bus.wait(0.0)
+
+
+@pytest.mark.live
+def test_the_transport_s_thread_keeps_its_python_state_from_frame_to_frame():
+    kept, seen, port = threading.local(), [], random.randrange(20_000, 30_000, 4)
+
+    def step():
+        seen.append(getattr(kept, "count", 0))
+        kept.count = seen[-1] + 1
+
+    with Bus("plant", CELL, port, 1) as plant, Bus("controller", CELL, port, 2) as controller:
+        controller.subscribe("controller/state")
+        controller.attend(Turns(step))
+        deadline = time.monotonic() + 10.0
+        while len(seen) < 4 and time.monotonic() < deadline:
+            plant.publish("controller/state", state_body())
+            time.sleep(0.02)
+    assert seen[:4] == [0, 1, 2, 3]

@@ -83,6 +83,11 @@ class Parameters:
         if self._wanted is not None or self._found_right is not None:
             raise ValueError("another change does not act yet: ask again")
 
+    @property
+    def examines(self) -> bool:
+        """Whether something is being examined."""
+        return self._wanted is not None
+
     def examine(self) -> None:
         """One step of what is being examined; a change that is found right acts at the next sample."""
         if self._wanted is None:

@@ -24,10 +24,11 @@ from shared.process import options_of, parser, serve
 from shared.realtime import follow
 from shared.reception import due, reception, told
 from shared.requests import Request
+from shared.turns import Turns
 from shared.units import SUBSTEP_NS
 
 IDLE = ControllerConfig(target="joint")
-_WAKE_S = 0.1
+_WAKE_S, _EXAMINING_S = 0.1, 0.002
 _NO_FIRST_TICK = 0  # no trial is loaded: the law never runs
 
 
@@ -47,18 +48,27 @@ class Controller:
         self.burned = False  # the gate, at the last sample
 
     def run(self, stopped: Callable[[], bool]) -> None:
-        """Until told to stop."""
+        """Until told to stop: samples are answered where they arrive, the rest is done here."""
+        turns = Turns(self.step)
+        self.bus.attend(turns)
         while not stopped():
-            self.bus.wait(_WAKE_S)
-            for message in self.abouts.take():
-                self._learn(message.body)
-            for message in self.samples.take():
-                self._answer(message)
-            for passage in self.samples.passages():
-                self._tell(passage)
-            for request in self.bus.requests():
-                self._serve(request)
-            self.parameters.examine()
+            self.bus.wait(_EXAMINING_S if self.parameters.examines else _WAKE_S)
+            turns.between(self.serve)
+
+    def step(self) -> None:
+        """Answer every sample that has come."""
+        for message in self.abouts.take():
+            self._learn(message.body)
+        for message in self.samples.take():
+            self._answer(message)
+        for passage in self.samples.passages():
+            self._tell(passage)
+
+    def serve(self) -> None:
+        """Answer what was asked, and look at the parameters that were asked for."""
+        for request in self.bus.requests():
+            self._serve(request)
+        self.parameters.examine()
 
     def _learn(self, about: About) -> None:
         if about != self.about:

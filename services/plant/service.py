@@ -97,10 +97,10 @@ class Plant:
         self._publish(sample)
 
     def _publish(self, sample: Sample) -> None:
-        self._truth = self.device.truth()
         echo = (sample.number, sample.time_ns)
         self.bus.run = self.bus.run._replace(arming=self.keeper.mailbox.arming)
         self.bus.publish("plant/sample", sample, echo)
+        self._truth = self.device.truth()
         if sample.number % ABOUT_EVERY == 0:
             self.tell_about()
 

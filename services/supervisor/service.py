@@ -10,7 +10,7 @@ from services.supervisor.agreement import Declared, disagreement
 from services.supervisor.answers import quality
 from services.supervisor.config import SupervisorConfig
 from services.supervisor.in_step import InStep
-from services.supervisor.modes import ARMED, DISARMED, RUNNING, TRIPPED, Event
+from services.supervisor.modes import DISARMED, TRIPPED, Event
 from services.supervisor.observe import Links
 from services.supervisor.params import supervisor_params
 from services.supervisor.rules import trip_words
@@ -28,6 +28,7 @@ from shared.realtime import follow, is_fifo
 from shared.reception import due, reception, told
 from shared.requests import Request
 from shared.timeliness import LATE_IN_A_ROW
+from shared.turns import Turns
 from shared.units import NS_PER_S
 
 _IDLE_WAKE_S = 0.1
@@ -78,10 +79,17 @@ class Supervisor:
         self._others = 0  # frames of another run at the last verdict
 
     def run(self, stopped: Callable[[], bool]) -> None:
-        """Until told to stop."""
+        """Until told to stop: samples are judged where they arrive, their absence and requests here."""
+        turns = Turns(self.step)
+        self.bus.attend(turns)
         while not stopped():
             self.bus.wait(self._patience_s())
-            self.step()
+            turns.between(self.serve)
+
+    def serve(self) -> None:
+        """Answer what was asked; what acts waits for the next step."""
+        for request in self.bus.requests():
+            self._serve(request)
 
     def step(self) -> None:
         """Judge everything that has come, or that nothing has."""
@@ -99,16 +107,15 @@ class Supervisor:
             self._judge(message, 0)
         for passage in passages:
             self._tell(passage)
-        for request in self.bus.requests():
-            self._serve(request)
         if not messages:
             self._judge_absence()
 
     def _patience_s(self) -> float:
-        """How long to wait for a sample before its absence is judged."""
-        if self.about is None or self.memory.mode not in (RUNNING, ARMED) or not self.about.permit_ttl_ns:
+        """How long until the absence of a sample is judged, if none comes."""
+        if self.about is None or self.sample is None:
             return _IDLE_WAKE_S
-        return self.about.permit_ttl_ns / NS_PER_S
+        left_s = (self.sample.arrival_ns + self.about.permit_ttl_ns - time.monotonic_ns()) / NS_PER_S
+        return min(left_s, _IDLE_WAKE_S) if left_s > 0.0 else _IDLE_WAKE_S
 
     def _learn(self, about: About) -> None:
         if about != self.about:
