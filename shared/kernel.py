@@ -63,7 +63,7 @@ def _hash_of(folders: tuple[str, ...]) -> str:
     return digest.hexdigest()[:16]
 
 
-def _point_cache_at_sources() -> None:
+def point_cache_at_sources() -> None:
     """Key numba's cache folder by every source of a kernel: its own key misses a callee that changed in another file."""
     machine = hashlib.sha256(f"{platform.machine()}{platform.processor()}{platform.python_version()}".encode())
     os.environ["NUMBA_CACHE_DIR"] = str(cache.folder() / "kernels" / f"{kernel_version()}-{machine.hexdigest()[:8]}")
@@ -77,7 +77,7 @@ def compiled(function: Function) -> Function:
     """
     global _registered
     if not _registered:
-        _point_cache_at_sources()
+        point_cache_at_sources()
     import numba  # here, so that a service that compiles nothing starts without it
     from numba.extending import register_jitable
 

@@ -7,6 +7,7 @@ from services.plant.machine import advance, machine_start
 from services.plant.params import UNIMATE, Environment, contact_params
 from shared.faults import Fault
 from shared.messages import NO_TRIAL
+from shared.resident import resident
 
 MOVING = (2048, 2048, 2700)
 ZERO = (2048, 2048, 2048)
@@ -121,14 +122,15 @@ def test_the_noise_of_a_trial_is_that_of_its_ticks(scene):
 @pytest.mark.parametrize("kind", ["free", "plate", "crate"])
 def test_nothing_compiles_after_the_emulator_is_made(scene, kind):
     timeline, emulator = scene
-    compiled_for = list(emulator._advance.signatures)
+    compiled_for, held_for = list(emulator._advance.signatures), list(resident.signatures)
     emulator.load(PlantConfig(environment=Environment(kind=kind), sample_period_substeps=20), 5, -100, 300, ())
     emulator.begin()
     timeline.tick, timeline.substep = 0, 16
     emulator.write(MOVING)
     at(scene, 200)
     assert list(emulator._advance.signatures) == compiled_for
-    assert len(compiled_for) == 1
+    assert list(resident.signatures) == held_for
+    assert len(compiled_for) == len(held_for) == 1
 
 
 def sampled(scene, samples, codes=MOVING):

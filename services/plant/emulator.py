@@ -8,13 +8,14 @@ from services.plant.faults import Held, Row
 from services.plant.faulty_actuators import faulty_codes, faulty_machine
 from services.plant.faulty_sensors import faulty_sense
 from services.plant.injection import Injection, clock
-from services.plant.machine import MachineState, advance, machine_start, sense, truth
+from services.plant.machine import MachineState, advance_resident, machine_start, sense, truth
 from services.plant.noise import force_noise_n
 from services.plant.params import contact_params
 from shared.converters import ZERO_CODE
 from shared.faults import Fault, of_group
 from shared.kernel import compiled
 from shared.messages import NO_TRIAL, LinkCounts, Truth
+from shared.resident import resident
 from shared.units import SUBSTEP_NS
 
 _IDLE_NOISE_TICKS = 4096  # outside a trial the noise repeats after this many samples
@@ -33,14 +34,14 @@ class Emulator:
     def __init__(self, timeline: Timeline, watchdog_substeps: int) -> None:
         """Compile the machine and stand at the default pose."""
         self._timeline, self._watchdog = timeline, watchdog_substeps
-        self._advance: Any = compiled(advance)
+        self._advance: Any = compiled(advance_resident)
         self._at = self._written_at = 0
         self._codes = _ZERO
         self._injection = Injection()
         self._table: tuple[Row, ...] = ()
         self.load(PlantConfig(), 0, 0, _IDLE_NOISE_TICKS, ())
         self.begin()
-        self._advance(self._state, self._machine, self._contact, _ZERO, 1)
+        self._advance(self._state, self._rig, _ZERO, 1)
 
     def watchdog(self, substeps: int) -> None:
         """Another lease was chosen."""
@@ -64,7 +65,7 @@ class Emulator:
     def begin(self) -> None:
         """Stand at the declared initial state."""
         self._machine, self._contact, start = self._next
-        self._broken = self._machine
+        self._sound = self._rig = resident((self._machine, self._contact))
         self._state: MachineState = start
         self._held = Held()
         self._codes = _ZERO
@@ -78,10 +79,10 @@ class Emulator:
         noise_n = self._noise_n[index % len(self._noise_n)]
         self._table, self._now = self._injection.at(timeline.number, timeline.tick), clock(timeline.number, timeline.tick)
         if self._table:
-            self._broken = faulty_machine(self._table, self._now, self._machine)
+            self._rig = resident((faulty_machine(self._table, self._now, self._machine), self._contact))
             readings = faulty_sense(self._state, self._machine, self._contact, noise_n, self._table, self._now, self._held)
         else:
-            self._broken = self._machine
+            self._rig = self._sound
             readings = sense(self._state, self._machine, self._contact, noise_n)
         self._held = Held(readings, 1)
         return Reading(*readings)
@@ -128,5 +129,5 @@ class Emulator:
 
     def _run_to(self, substep: int) -> None:
         if substep > self._at:
-            self._state = self._advance(self._state, self._broken, self._contact, self._codes, substep - self._at)
+            self._state = self._advance(self._state, self._rig, self._codes, substep - self._at)
             self._at = substep

@@ -1,6 +1,6 @@
 """The machine between two samples: currents into valves, flows, pressures, motion, contact; and what can be read of it."""
 
-from typing import NamedTuple
+from typing import Any, NamedTuple
 
 from services.plant.contact import ContactState, contact_start, contact_step
 from services.plant.friction import friction_limit, slide
@@ -137,6 +137,13 @@ def advance(
     """The machine `substeps` of 50 us later, the D/A holding `codes`."""
     currents_a = (code_to_current(codes[0]), code_to_current(codes[1]), code_to_current(codes[2]))
     return advance_by(state, machine, contact, currents_a, substeps, SUBSTEP_S)
+
+
+@kernel
+def advance_resident(state: MachineState, rig: Any, codes: LinkCounts, substeps: int) -> MachineState:
+    """`advance` of the machine and contact that are `rig.value`."""
+    machine, contact = rig.value
+    return advance(state, machine, contact, codes, substeps)
 
 
 @kernel
