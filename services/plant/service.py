@@ -101,6 +101,8 @@ class Plant:
         self.bus.run = self.bus.run._replace(arming=self.keeper.mailbox.arming)
         self.bus.publish("plant/sample", sample, echo)
         self._truth = self.device.truth()
+        if self._lockstep():
+            self._tell_truth()
         if sample.number % ABOUT_EVERY == 0:
             self.tell_about()
 
@@ -125,13 +127,18 @@ class Plant:
         self._heed_stops()
         self.keeper.judge(self.now_ns(), at_latch=True)
         self._follow_permit()
-        if self._truth is not None:  # after the latch: the command's way is free until then
-            self.bus.publish("plant/truth", self._truth, (self.timeline.number, self.due * SUBSTEP_NS))
+        self._tell_truth()
         self._tell_faults()
         if due(self.timeline.number, self.schedule.period * SUBSTEP_NS):
             self.keeper.tell_reception()
         self.due += self.schedule.interval(self.timeline.tick)
         self.timeline.number += 1
+
+    def _tell_truth(self) -> None:
+        """Once a sample: in lockstep while the others answer it, else after the latch, until when the command's way is free."""
+        truth, self._truth = self._truth, None
+        if truth is not None:
+            self.bus.publish("plant/truth", truth, (self.timeline.number, self.due * SUBSTEP_NS))
 
     def _tell_faults(self) -> None:
         """Each fault that has begun or ended with this sample."""
