@@ -33,7 +33,7 @@ check: install
 # Kernels run plain, so that their branches are seen; fails below 100 %.
 COVERED := tests/test_gate_*.py tests/test_supervisor_*.py tests/test_black_channel.py tests/test_wire_fuzz.py \
 	tests/test_shared_acceptance.py tests/test_shared_bus.py tests/test_shared_codec.py tests/test_shared_inbox.py \
-	tests/test_shared_protection.py tests/test_shared_reception.py tests/test_shared_requests.py tests/test_shared_timeliness.py \
+	tests/test_shared_protection.py tests/test_shared_reception.py tests/test_shared_requests.py tests/test_shared_timeliness.py tests/test_shared_turns.py \
 	tests/test_plant_gatekeeper*.py tests/test_plant_lease.py tests/test_plant_ledger.py tests/test_plant_mailbox.py \
 	tests/test_plant_numbers.py
 

@@ -42,6 +42,7 @@ TESTS = {
     "shared/codec.py": ["tests/test_shared_codec.py"],
     "shared/protection.py": ["tests/test_shared_protection.py"],
     "shared/timeliness.py": ["tests/test_shared_timeliness.py"],
+    "shared/turns.py": ["tests/test_shared_turns.py"],
     "shared/reception.py": ["tests/test_shared_reception.py"],
     "shared/requests.py": ["tests/test_shared_requests.py", "tests/test_shared_bus.py"],
 }

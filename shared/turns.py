@@ -9,7 +9,8 @@ class Turns:
 
     def __init__(self, step: Callable[[], None]) -> None:
         """Nobody has it."""
-        self._step, self._lock, self._cause = step, threading.Lock(), False
+        self._step, self._lock = step, threading.Lock()
+        self._cause: bool  # something has come since the last step began
 
     def take(self) -> None:
         """Step here; or leave word with who has the turn, who then steps once more."""

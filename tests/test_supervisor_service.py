@@ -155,6 +155,22 @@ def test_a_request_to_a_cell_without_a_plant_is_answered_and_never_acts_later(mo
     assert scene.supervisor.memory.mode == Mode.DISARMED
 
 
+@pytest.mark.parametrize(
+    ("age_ns", "patience_s"),
+    [(0, 0.02), (15_000_000, 0.005), (19_999_999, 1e-9), (20_000_000, 0.0), (20_000_001, 0.1)],
+)
+def test_absence_is_judged_a_lease_after_the_last_sample_whoever_judged_that_one(monkeypatch, age_ns, patience_s):
+    scene = Scene()
+    scene.armed()
+    arrival_ns = scene.supervisor.sample.arrival_ns
+    monkeypatch.setattr(service.time, "monotonic_ns", lambda: arrival_ns + age_ns)
+    assert scene.supervisor._patience_s() == pytest.approx(patience_s, rel=1e-6)
+
+
+def test_without_a_plant_there_is_no_absence_to_wait_for():
+    assert Supervisor(Scene().bus)._patience_s() == 0.1
+
+
 def test_what_came_is_told_once_a_second_and_at_a_trip():
     scene = Scene()
     scene.armed()

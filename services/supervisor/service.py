@@ -115,7 +115,7 @@ class Supervisor:
         if self.about is None or self.sample is None:
             return _IDLE_WAKE_S
         left_s = (self.sample.arrival_ns + self.about.permit_ttl_ns - time.monotonic_ns()) / NS_PER_S
-        return min(left_s, _IDLE_WAKE_S) if left_s > 0.0 else _IDLE_WAKE_S
+        return min(left_s, _IDLE_WAKE_S) if left_s >= 0.0 else _IDLE_WAKE_S
 
     def _learn(self, about: About) -> None:
         if about != self.about:
