@@ -77,6 +77,7 @@ class Bus:
         self._lock.acquire()
         self._turns: Turns | None = None  # what steps where a frame arrives
         self._failure: BaseException | None = None  # of such a step
+        self._impaired = False  # faults act on what arrives
         self._seq: dict[str, int] = {}
         self._publishers: dict[tuple[str, bool], Any] = {}
 
@@ -118,7 +119,7 @@ class Bus:
     def _arrived(self) -> None:
         """Transport's callback, after a frame was put into its ring."""
         stay_attached()
-        if self._turns is None or any(inbox.detour is not None for inbox in self._inboxes):
+        if self._turns is None or self._impaired:
             return self.wake()
         try:
             self._turns.take()
@@ -144,6 +145,7 @@ class Bus:
         self.conditions = conditions
         for inbox in self._inboxes:
             inbox.impair(conditions)
+        self._impaired = any(inbox.detour is not None for inbox in self._inboxes)
 
     def subscribe(self, key: str, depth: int = RING) -> Inbox:
         """A ring fed by one topic."""
