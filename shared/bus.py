@@ -1,6 +1,7 @@
 """The only file that imports zenoh: a mesh of peers on explicit endpoints, or clients of a router; `shared.endpoints` says which.
 
-A callback only stamps and appends to a bounded ring; whoever steps drains all of it, checks and counts every frame.
+A callback stamps and appends to a bounded ring; whoever steps drains all of it, checks and counts every frame. A service that
+attends steps in that callback, without waking a thread of its own.
 Every session tries for ever, so the order of starting does not matter. Liveliness tokens show presence, no more.
 """
 
