@@ -1,6 +1,6 @@
 """A ping-pong of bare payloads between two processes: the loop's topics with their own quality of service, without frames.
 
-A service's message is as large as a sample's frame; whoever waits for it sleeps as a service does.
+Each message is as large as a sample's frame. Both ends receive blocking: their main thread sleeps until the transport wakes it.
 """
 
 import os
