@@ -138,7 +138,8 @@ def survivors(module: str, tree: ast.Module, jobs: int) -> Iterator[str]:
         if len(running) == jobs:
             yield from _ended(running)
         running[begun(module, ast.fix_missing_locations(mutant))] = words
-        print(f"{module}: {k} of {count}", end="\r", file=sys.stderr, flush=True)
+        if sys.stderr.isatty():
+            print(f"{module}: {k} of {count}", end="\r", file=sys.stderr, flush=True)
     while running:
         yield from _ended(running)
 
