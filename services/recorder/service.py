@@ -1,5 +1,6 @@
 """The recorder's shell: it owns the bus and the clock, and answers record, finish and status."""
 
+import gc
 import os
 import signal
 import sys
@@ -21,6 +22,7 @@ if TYPE_CHECKING:
     from services.recorder.recorder import Recorder
 
 DEPTH = 8192  # 8 s at 1 kHz: a slow disk fills the recorder's ring, not the others'
+COLLECTED = (50_000, 20, 20)  # seldom: the seconds that are kept for a trip hold no cycles, and looking through them costs
 STEP_S = 0.04  # rings are drained in one go, so that the recorder costs no wake-up per message
 
 
@@ -53,6 +55,7 @@ def record(
     from services.recorder.recorder import Recorder
 
     stop = _stop_on_signals()
+    gc.set_threshold(*COLLECTED)
     with ExitStack() as stack:
         live = stack.enter_context(Live(live_port)) if live_port is not None else None
         recorder = Recorder(options.cell, live, trips if trips is not None else folder / "trips")
