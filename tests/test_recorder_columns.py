@@ -1,12 +1,16 @@
 import math
+from typing import get_type_hints
 
 import numpy as np
 import pytest
+from annotated_types import Len
 from recorder_trial import ABOUT, exact, received, trial
 
-from services.recorder.columns import TRUTH_FIGURES, column_names, figure_values, figures, flat_rows, widths
+from services.recorder.columns import TRUTH_FIGURES, column_names, figure_values, figures, flat_rows
+from services.recorder.writer import WITHOUT_ROWS
 from shared.converters import ZERO_CODE, code_to_current
 from shared.messages import Command, ControllerState, Permit, Sample, Truth
+from shared.topics import TOPICS, Topic
 
 ANY = received("controller/command", Command((2048,) * 3), 0).header
 
@@ -64,7 +68,9 @@ def test_nan_and_infinity_stay_what_they_are():
     assert math.isnan(row["measured"]) and row["limit"] == math.inf
 
 
-def test_messages_of_different_lengths_are_told_apart():
-    assert widths([Command((1, 2, 3)), Command((1, 2))]) == [(3,), (2,)]
-    assert widths([first(Permit).body]) == [(3,)]
-    assert widths([]) == []
+@pytest.mark.parametrize("topic", [topic for topic in TOPICS if topic.message not in WITHOUT_ROWS], ids=lambda topic: topic.key)
+def test_what_is_written_as_rows_has_arrays_of_one_length(topic: Topic):
+    for field, hint in get_type_hints(topic.message, include_extras=True).items():
+        bounds = [bound for bound in getattr(hint, "__metadata__", ()) if isinstance(bound, Len)]
+        lengths = {length for bound in bounds for length in (bound.min_length, bound.max_length)}
+        assert len(lengths) == (0 if hint in (int, float) else 1), field

@@ -101,11 +101,6 @@ def test_counters_are_written_several_at_a_time_and_none_is_left_behind():
     assert all((r.times.trial_ns is None) == (r.times.samples[0] < FIRST_NUMBER + 2) for r in rows)
 
 
-def test_a_machine_with_other_channels_gets_batches_of_its_own():
-    messages = [received("controller/command", Command((2048,) * (3 if i < 4 else 5)), i, i) for i in range(9)]
-    assert [rows.values.shape for rows in of(write(messages), "topic/controller/command")] == [(4, 4), (5, 6)]
-
-
 def test_what_answers_a_sample_that_never_came_is_written_without_a_time():
     messages = [m for m in trial(50) if not (isinstance(m.body, Sample) and m.header.seq == 500)]
     written = write(messages)

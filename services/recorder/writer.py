@@ -6,7 +6,7 @@ from typing import Any, NamedTuple
 import numpy as np
 
 from services.recorder import scene
-from services.recorder.columns import MS, Matrix, column_names, figure_values, figures, flat_rows, widths
+from services.recorder.columns import MS, Matrix, column_names, figure_values, figures, flat_rows
 from services.recorder.events import (
     COUNT_NAMES,
     Event,
@@ -39,11 +39,12 @@ from shared.timeliness import answered_in_time
 BATCH_ROWS = 1024  # a batch is a chunk of the file, with about 1 kB around it and 2 kB of index in memory; `flush` comes earlier
 COUNT_ROWS = 10  # counters are told once a second; what is counted is in the recorder's answers at once
 ANSWER_LATENCY = "figure/latency/answer"
-_WITHOUT_ROWS = (About, Reception, FaultEvent, ParameterEvent)
+# Told in words or as counters; the messages of every other topic are rows, for their arrays have fixed lengths.
+WITHOUT_ROWS = (About, Reception, FaultEvent, ParameterEvent)
 
 
 class Run(NamedTuple):
-    """Messages of one topic that share timelines and columns, with their places."""
+    """Messages of one topic, with their places."""
 
     messages: list[Received]
     places: list[Place]
@@ -88,7 +89,7 @@ class Writer:
     def take(self, *messages: Received) -> None:
         """Messages of one topic."""
         topic, kind = messages[0].topic, type(messages[0].body)
-        if kind in _WITHOUT_ROWS:
+        if kind in WITHOUT_ROWS:
             self.rows[topic] = self.rows.get(topic, 0) + len(messages)
             for message in messages:
                 self._tell_rare(message)
@@ -212,12 +213,10 @@ class Writer:
             numbers = [n for n, e in zip(numbers, early, strict=True) if not e]
         run = Run(waiting, [self._places.at(n) for n in numbers])
         for rows in alike([place.trial_time_ns is None for place in run.places]):
-            same_times = run.part(rows)
-            for columns in alike(widths([m.body for m in same_times.messages])):
-                self._write(topic, same_times.part(columns))
+            self._write(topic, run.part(rows))
 
     def _write(self, topic: str, run: Run) -> None:
-        """Write a run as one batch."""
+        """Write a run, all in a trial or all outside, as one batch."""
         first = run.messages[0]
         message, times = type(first.body), times_of(run.places)
         names = column_names(first.body, first.header)
