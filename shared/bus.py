@@ -105,9 +105,11 @@ class Bus:
 
     def wake(self) -> None:
         """Let `wait` return. Safe from any thread."""
+        if not self._lock.locked():  # awake already; left to the exception, it would double what an arrival costs in Python
+            return
         try:
             self._lock.release()
-        except RuntimeError:  # already awake
+        except RuntimeError:  # another thread was faster
             return
 
     def attend(self, turns: Turns) -> None:
