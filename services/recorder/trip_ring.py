@@ -3,7 +3,7 @@
 A trip is a permit that turns TRIPPED, or a cut of the gate while an arming stood. Both of one trip are one report.
 """
 
-from collections import deque
+from collections import defaultdict, deque
 from typing import Any, NamedTuple
 
 from shared.codec import Received
@@ -34,7 +34,7 @@ class TripRing:
     def __init__(self) -> None:
         """Nothing heard."""
         self.about: About | None = None
-        self._rings: dict[str, deque[Received]] = {}
+        self._rings: defaultdict[str, deque[Received]] = defaultdict(lambda: deque(maxlen=_DEEPEST))
         self._receptions: dict[str, Reception] = {}
         self._changes: deque[ParameterEvent] = deque(maxlen=_CHANGES)
         self._plant: int | None = None  # epoch
@@ -45,17 +45,18 @@ class TripRing:
 
     def take(self, *messages: Received) -> None:
         """Messages of one topic."""
-        kind = type(messages[0].body)
+        topic, kind = messages[0].topic, type(messages[0].body)
         if kind is About or kind is Reception:
             self._describe(messages[-1])
         elif kind is ParameterEvent:
             self._changes.extend(message.body for message in messages if message.body.by_hand)
-        elif kind in _JUDGED:
-            for message in messages:
-                self._take(message)
         else:
-            self._ring(messages[0].topic).extend(messages)
-            self._forget(messages[0].topic)
+            if kind in _JUDGED:
+                for message in messages:
+                    self._take(message)
+            else:
+                self._rings[topic].extend(messages)
+            self._forget(topic)
 
     def _describe(self, message: Received) -> None:
         if isinstance(message.body, About):
@@ -71,13 +72,9 @@ class TripRing:
             self._judge(message, body)
             if body.mode == Mode.DISARMED and self._tripped_ns is None:
                 self._changes.clear()
-        self._ring(message.topic).append(message)
+        self._rings[message.topic].append(message)
         if isinstance(body, GateEvent) and body.state == GateState.BURNED and body.cause != GateCause.BURNED_ARMING:
             self._trip(message)
-        self._forget(message.topic)
-
-    def _ring(self, topic: str) -> deque[Received]:
-        return self._rings.setdefault(topic, deque(maxlen=_DEEPEST))
 
     def _forget(self, topic: str) -> None:
         ring = self._rings[topic]
