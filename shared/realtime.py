@@ -50,13 +50,24 @@ def is_fifo() -> bool:
 
 
 def follow(clock: str) -> None:
-    """Real-time scheduling where the wall clock paces; in lockstep it would starve whoever records or watches."""
-    if not _granted_fifo:
+    """Real-time scheduling where the wall clock paces and it was granted; in lockstep it would starve whoever watches."""
+    if clock != "real":
+        return interrupt_nobody()
+    return _schedule("SCHED_FIFO", FIFO_PRIORITY) if _granted_fifo else _schedule("SCHED_OTHER", 0)
+
+
+def interrupt_nobody() -> None:
+    """A thread that is woken waits until who runs has done: fewer changes of the processor where no deadline presses."""
+    _schedule("SCHED_BATCH", 0)
+
+
+def _schedule(policy: str, priority: int) -> None:
+    """Every thread of this process, where the system has such a policy."""
+    if not hasattr(os, policy):
         return
-    policy, priority = (os.SCHED_FIFO, FIFO_PRIORITY) if clock == "real" else (os.SCHED_OTHER, 0)
     for thread in os.listdir("/proc/self/task"):
         with contextlib.suppress(ProcessLookupError):
-            os.sched_setscheduler(int(thread), policy, os.sched_param(priority))
+            os.sched_setscheduler(int(thread), getattr(os, policy), os.sched_param(priority))
 
 
 def _idle_latency() -> bool:

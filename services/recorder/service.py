@@ -14,7 +14,7 @@ from shared.bus import Bus, BusError
 from shared.inbox import Inbox
 from shared.process import EXIT_OK, EXIT_TRANSPORT, Options, await_router, draw_number, options_of, parser
 from shared.qualified import of_plain, standing
-from shared.realtime import die_with_parent
+from shared.realtime import die_with_parent, interrupt_nobody
 from shared.requests import Request
 from shared.topics import TOPICS
 
@@ -56,6 +56,7 @@ def record(
 
     stop = _stop_on_signals()
     gc.set_threshold(*COLLECTED)
+    interrupt_nobody()
     with ExitStack() as stack:
         live = stack.enter_context(Live(live_port)) if live_port is not None else None
         recorder = Recorder(options.cell, live, trips if trips is not None else folder / "trips")
