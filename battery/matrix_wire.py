@@ -41,6 +41,7 @@ WIRE = (
                 "a link cut for real, its packets dropped by the kernel",
                 (
                     "tests/test_live_namespaces.py::test_a_link_that_is_cut_for_real_leaves_the_valves_at_zero_and_nothing_resumes",
+                    "tests/test_live_namespaces.py::test_a_plant_whose_links_to_all_services_are_cut_still_answers_its_operator",
                 ),
                 letter="W",
             ),

@@ -16,8 +16,8 @@ from contextlib import contextmanager
 from types import TracebackType
 from typing import Any, NamedTuple
 
-# One thread receives: by default each frame wakes two, one that polls and one that reads. The transport looks when it opens.
-os.environ.setdefault("ZENOH_RUNTIME", "(net:(worker_threads:1),rx:(handover:net),acc:(handover:net))")
+# Who polls a link reads it too; by default each frame wakes a thread for either. A dead link holds one until it is closed.
+os.environ.setdefault("ZENOH_RUNTIME", "(net:(worker_threads:8),rx:(handover:net),acc:(handover:net))")
 
 import zenoh
 

@@ -1,6 +1,7 @@
-"""A cell in a network namespace of its own, where a link is cut for real: the kernel drops its packets, one way or both.
+"""A cell in a network namespace of its own, where links are cut for real: the kernel drops their packets, one way or both.
 
-Run in `unshare -rn`: prints, as JSON, what plant and supervisor say after the cut and after it has healed.
+Run in `unshare -rn` with a service, or several with commas between, whose links to the plant are cut: prints, as JSON, what
+plant and supervisor say after the cut and after it has healed.
 """
 
 import json
@@ -15,6 +16,7 @@ from live_cell import ZERO, experiment, own_place, until
 from services.operator import cell as cells
 from services.operator.session import arm, load
 from shared.bus import Bus
+from shared.topics import SERVICES
 
 LEASE = {"plant": ["--permit-ttl-ms", "200", "--no-realtime"]}
 CUT_S, HEALED_S = 1.0, 1.0
@@ -50,22 +52,24 @@ def said(bus: Bus) -> dict[str, Any]:
     return {"at_rest": plant["dac_counts"] == ZERO, "last_cut": plant["last_cut"], "mode": found["supervisor"]["mode"]}
 
 
-def main(service: str, ways: str) -> None:
+def main(services: str, ways: str) -> None:
     loopback()
     place = own_place()
-    started = cells.start(place, cells.LOOP, with_parent=True, extra=LEASE)
+    started = cells.start(place, SERVICES, with_parent=True, extra=LEASE)
     try:
         with cells.operator_bus(place) as bus:
             cells.await_ready(place, bus, started)
-            port = caller_port(started[service].pid, place.port)
+            ports = [caller_port(started[service].pid, place.port) for service in services.split(",")]
             load(bus, experiment(30.0), 1, "real", unqualified=True)
             arm(bus)
             cells.ask(bus, "supervisor", "start")
             until(lambda: not said(bus)["at_rest"], "the valves move")
-            rules("add", ways, port)
+            for port in ports:
+                rules("add", ways, port)
             time.sleep(CUT_S)
             during = said(bus)
-            rules("del", ways, port)
+            for port in ports:
+                rules("del", ways, port)
             time.sleep(HEALED_S)
             print(json.dumps({"during": during, "after": said(bus)}))
     finally:
