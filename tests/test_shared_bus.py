@@ -71,7 +71,7 @@ class Stepped:
     """A bus whose step runs where a frame arrives, as the transport's thread would call it."""
 
     def __init__(self, step):
-        self.bus, self.by = Bus("controller", CELL, 7450, EPOCHS["controller"]), []
+        self.bus = Bus("controller", CELL, 7450, EPOCHS["controller"])
         self.inbox = Inbox(BY_KEY["plant/sample"], CELL, RING, self.bus._arrived)
         self.bus._inboxes[self.inbox] = None
         self.bus.attend(Turns(step))
@@ -112,18 +112,22 @@ def test_while_a_fault_acts_on_a_way_a_frame_wakes_who_knows_when_it_is_to_come(
 
 
 @pytest.mark.live
-def test_the_transport_s_thread_keeps_its_python_state_from_frame_to_frame():
-    kept, seen, port = threading.local(), [], random.randrange(20_000, 30_000, 4)
+def test_a_thread_of_the_transport_keeps_its_python_state_from_frame_to_frame():
+    state, seen, port = threading.local(), [], random.randrange(20_000, 30_000, 4)
 
     def step():
-        seen.append(getattr(kept, "count", 0))
-        kept.count = seen[-1] + 1
+        state.frames = getattr(state, "frames", 0) + 1
+        seen.append((threading.get_native_id(), state.frames))
 
     with Bus("plant", CELL, port, 1) as plant, Bus("controller", CELL, port, 2) as controller:
         controller.subscribe("controller/state")
         controller.attend(Turns(step))
         deadline = time.monotonic() + 10.0
-        while len(seen) < 4 and time.monotonic() < deadline:
+        while len(seen) < 20 and time.monotonic() < deadline:
             plant.publish("controller/state", state_body())
             time.sleep(0.02)
-    assert seen[:4] == [0, 1, 2, 3]
+    threads = {thread for thread, _ in seen}
+    assert len(threads) < len(seen)  # one of them, at least, brought two
+    for thread in threads:
+        counts = [count for other, count in seen if other == thread]
+        assert counts == list(range(1, len(counts) + 1))

@@ -1,4 +1,6 @@
 import threading
+import time
+from collections import deque
 
 import pytest
 
@@ -39,30 +41,29 @@ def test_however_many_find_it_taken_one_more_step_serves_them_all():
 
 
 def test_no_cause_is_lost_between_threads():
-    left, done = [0] * 4, []
+    brought, done = deque(), []
 
     def step() -> None:
-        for i, count in enumerate(left):
-            if count:
-                left[i] = 0
-                done.append(count)
+        while brought:
+            done.append(brought.popleft())
 
     turns = Turns(step)
 
-    def arrive(i: int) -> None:
-        for _ in range(2000):
-            left[i] += 1  # only this thread counts up, and only a step clears
+    def bring() -> None:
+        for i in range(2000):
+            brought.append(i)
             turns.take()
 
-    threads = [threading.Thread(target=arrive, args=(i,)) for i in range(4)]
+    threads = [threading.Thread(target=bring) for _ in range(4)]
     for thread in threads:
         thread.start()
-    for thread in threads:
-        thread.join(30.0)
-    assert left == [0] * 4 and sum(done) <= 8000 and done
+    while any(thread.is_alive() for thread in threads):
+        turns.between(lambda: None)
+    assert not brought
+    assert len(done) == 8000
 
 
-def test_work_between_steps_excludes_them_and_what_came_meanwhile_is_served_after_it():
+def test_work_comes_before_the_step_and_what_came_during_it_is_in_that_step():
     order = []
     turns = Turns(lambda: order.append("step"))
 
@@ -70,8 +71,45 @@ def test_work_between_steps_excludes_them_and_what_came_meanwhile_is_served_afte
         turns.take()
         order.append("work")
 
-    turns.between(work)
+    assert not turns.between(work)
     assert order == ["work", "step"]
+
+
+def test_who_serves_is_told_of_what_came_while_it_stepped():
+    steps = []
+
+    def step() -> None:
+        steps.append(1)
+        if len(steps) == 1:
+            turns.take()
+
+    turns = Turns(step)
+    assert turns.between(lambda: None)
+    assert not turns.between(lambda: None)
+    assert len(steps) == 2
+
+
+def test_a_flood_that_gives_cause_at_every_step_does_not_keep_who_serves_away():
+    order = []
+
+    def step() -> None:
+        order.append(f"step by {threading.current_thread().name}")
+        if len(order) == 1:
+            serving.start()
+            deadline = time.monotonic() + 5.0
+            while not turns._wanted and time.monotonic() < deadline:
+                time.sleep(0.001)
+            turns.take()  # as another thread would: something has come again
+
+    turns = Turns(step)
+    serving = threading.Thread(target=turns.between, args=(lambda: order.append("work"),), name="server")
+    flooded = threading.Thread(target=turns.take, name="transport")
+    flooded.start()
+    flooded.join(10.0)
+    serving.join(10.0)
+    assert order == ["step by transport", "work", "step by server"]
+    turns.take()
+    assert len(order) == 4
 
 
 def test_a_step_that_raises_gives_the_turn_back():

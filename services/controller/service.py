@@ -53,7 +53,8 @@ class Controller:
         self.bus.attend(turns)
         while not stopped():
             self.bus.wait(_EXAMINING_S if self.parameters.examines else _WAKE_S)
-            turns.between(self.serve)
+            if turns.between(self.serve):
+                self.bus.wake()
 
     def step(self) -> None:
         """Answer every sample that has come."""

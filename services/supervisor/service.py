@@ -84,7 +84,8 @@ class Supervisor:
         self.bus.attend(turns)
         while not stopped():
             self.bus.wait(self._patience_s())
-            turns.between(self.serve)
+            if turns.between(self.serve):
+                self.bus.wake()
 
     def serve(self) -> None:
         """Answer what was asked; what acts waits for the next step."""
