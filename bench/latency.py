@@ -1,16 +1,19 @@
 """Sample to accepted command in a real run, and beside it what this host gives an empty process and a bare transport.
 
-The baselines run just before and just after the run, at the same rate and in the same scheduling class: an empty process
-that sleeps to an absolute grid, and a ping-pong of frames of the same size between two processes over the same transport.
+The baselines run just before and just after, at the same rate and in the same scheduling class: an empty process that
+sleeps to an absolute grid, and a ping-pong of frames of the same size between two processes over the same transport.
+A second run goes without heralds: what they save, and what they cost in processor time.
 Example: python bench/latency.py --seconds 60 --rate-hz 222.2
 """
 
 import json
 import sys
 import tempfile
+import time
 from pathlib import Path
 from typing import Any
 
+import load
 import rig
 
 from qualification import probe
@@ -24,19 +27,24 @@ from shared.units import NS_PER_S, SUBSTEP_NS
 PERCENTILES = ("p50", "p99", "max")
 
 
-def run(place: cells.Place, given: Any) -> dict[str, Any]:
-    """The real run through the command line: counters of the plant."""
-    with tempfile.TemporaryDirectory() as folder:
+def run(place: cells.Place, given: Any, *, heralds: bool) -> dict[str, Any]:
+    """The real run through the command line in a cell of its own: counters of the plant, and processors taken by the cell."""
+    options = rig.services_options(realtime=not given.no_realtime)
+    options["plant"] += [] if heralds else ["--no-heralds"]
+    with rig.running(place, options) as (_, processes), tempfile.TemporaryDirectory() as folder:
         report = Path(folder) / "report.json"
         changed = [word for setting in settings(given.seconds, rig.substeps(given.rate_hz)) for word in ("--set", setting)]
+        pids = [process.pid for process in processes.values()]
+        began, used_s = time.monotonic(), load.processor_s(pids)
         ended = rig.hydrohil("run", EXPERIMENT, *changed, "--json", str(report), place=place)
+        taken = (load.processor_s(pids) - used_s) / (time.monotonic() - began)
         if not report.exists():
             raise SystemExit(f"the run did not complete: {ended.stderr.strip()}")
         made: dict[str, Any] = json.loads(report.read_text())
     if made["tripped"] or made["gap"]:
         rig.console.print(f"[red]the run ended early[/]: {made['tripped'] or made['gap']}")
     counters: dict[str, Any] = made["latencies"]
-    return counters | {"tripped": made["tripped"], "gap": made["gap"]}
+    return counters | {"tripped": made["tripped"], "gap": made["gap"], "processors": taken}
 
 
 def baselines(given: Any, place: cells.Place, period_ns: int) -> tuple[list[float], list[float]]:
@@ -57,37 +65,47 @@ def main() -> int:
     place = rig.place_of(given)
     with rig.console.status("baselines, before"):
         sleep_us, ping_us = baselines(given, place, period_ns)
-    with (
-        rig.running(place, rig.services_options(realtime=not given.no_realtime)),
-        rig.console.status(f"run of {given.seconds:g} s"),
-    ):
-        counters = run(place, given)
+    with rig.console.status(f"run of {given.seconds:g} s"):
+        counters = run(place, given, heralds=True)
+    with rig.console.status(f"run of {given.seconds:g} s without heralds"):
+        without = run(place, given, heralds=False)
     with rig.console.status("baselines, after"):
         after = baselines(given, place, period_ns)
     sleep, ping = spread(sleep_us + after[0]), spread(ping_us + after[1])
-    return report(given, counters, sleep._asdict(), ping._asdict(), period_ns, latch_substeps(plant))
+    return report(given, (counters, without), sleep._asdict(), ping._asdict(), period_ns, latch_substeps(plant))
 
 
 def report(
-    given: Any, counters: dict[str, Any], sleep_us: dict[str, float], ping_us: dict[str, float], period_ns: int, latch: int
+    given: Any,
+    runs: tuple[dict[str, Any], dict[str, Any]],
+    sleep_us: dict[str, float],
+    ping_us: dict[str, float],
+    period_ns: int,
+    latch: int,
 ) -> int:
     """Figures, and each as a ratio to its baseline and to the period."""
-    accepted, late = counters["sample_to_accepted_us"], counters["lateness_us"]
+    counters, without = runs
+    accepted, late, plain = counters["sample_to_accepted_us"], counters["lateness_us"], without["sample_to_accepted_us"]
     rows: list[tuple[object, ...]] = [
         ("sample -> accepted, us", *(accepted[p] for p in PERCENTILES)),
         ("bare ping-pong, us", *(ping_us[p] for p in PERCENTILES)),
         ("  ratio", *(accepted[p] / ping_us[p] for p in PERCENTILES)),
         ("  share of the period", *(accepted[p] * 1000 / period_ns for p in PERCENTILES)),
+        ("without heralds, us", *(plain[p] for p in PERCENTILES)),
+        ("  ratio", *(plain[p] / ping_us[p] for p in PERCENTILES)),
         ("lateness of the grid, us", *(late[p] for p in PERCENTILES)),
         ("empty process, us", *(sleep_us[p] for p in PERCENTILES)),
         ("  ratio", *(late[p] / sleep_us[p] for p in PERCENTILES)),
     ]
     rig.table(f"{given.seconds:g} s at {NS_PER_S / period_ns:.1f} Hz, latch {latch * 50} us", ("", *PERCENTILES), rows)
-    samples, missed = counters["samples"], counters["unanswered"]
-    rig.console.print(f"{samples} samples, {missed} unanswered at the latch, {counters['grid_shifts']} shifts of the grid")
-    figures = {"sleep_us": sleep_us, "ping_us": ping_us, "run": counters, "frame_bytes": frame_bytes(), "period_ns": period_ns}
-    rig.finish(given.json, figures | {"seconds": given.seconds, "realtime": not given.no_realtime})
-    return 0 if not counters["tripped"] and not counters["gap"] else 1
+    for made, words in ((counters, ""), (without, " without heralds")):
+        rig.console.print(
+            f"{made['samples']} samples, {made['unanswered']} unanswered at the latch, {made['grid_shifts']} shifts of the grid, "
+            f"{made['processors']:.2f} processors{words}"
+        )
+    figures = {"sleep_us": sleep_us, "ping_us": ping_us, "run": counters, "without_heralds": without, "period_ns": period_ns}
+    rig.finish(given.json, figures | {"frame_bytes": frame_bytes(), "seconds": given.seconds, "realtime": not given.no_realtime})
+    return 0 if not any(made["tripped"] or made["gap"] for made in runs) else 1
 
 
 if __name__ == "__main__":

@@ -5,6 +5,8 @@ import platform
 from pathlib import Path
 from typing import NamedTuple
 
+from shared.realtime import PLANT_PRIORITY
+
 IDLE = 0.25  # load per processor of a host that does little else
 PROCESSES = 4  # plant, controller, supervisor, and everything else
 
@@ -37,7 +39,7 @@ def _granted(granted: dict[str, bool]) -> tuple[Found, ...]:
         row(
             "fifo",
             "SCHED_FIFO",
-            "granted (root, or rtprio 50 in /etc/security/limits.conf): other work no longer delays the loop",
+            f"granted (root, or rtprio {PLANT_PRIORITY} in /etc/security/limits.conf): other work no longer delays the loop",
         ),
         row("memory_locked", "mlockall", "granted (memlock unlimited): no page fault in the loop"),
         row("idle_latency", "/dev/cpu_dma_latency", "may be written: processors do not fall asleep; about halves a round trip"),

@@ -12,10 +12,20 @@ from typing import NamedTuple, NoReturn
 
 from shared.bus import DEFAULT_PORT, Bus, BusError
 from shared.endpoints import HERE, Network, address, network
-from shared.realtime import Granted, claim, die_with_parent, quiet_garbage_collection
+from shared.realtime import (
+    FIFO_PRIORITY,
+    PLANT_PRIORITY,
+    Granted,
+    claim,
+    die_with_parent,
+    quiet_garbage_collection,
+    settle,
+)
 
 EXIT_OK, EXIT_CLAIM, EXIT_USAGE, EXIT_TRIPPED, EXIT_TRANSPORT = 0, 1, 2, 3, 5
 _NUMBER_BITS = 62
+_PORTS = 4  # of a cell
+_ALONE = {"controller": True, "supervisor": False}  # whether it has its cell's chosen processor; the plant goes where one is free
 DEFAULT_CELL = "cell"
 _ROUTER_POLL_S = 0.1
 _ROUTER_PATIENCE_S = 1.0  # of one attempt to reach the router's host
@@ -89,7 +99,9 @@ def serve(service: str, options: Options, run: Callable[[Bus, Callable[[], bool]
     if not await_router(service, options.network):
         return EXIT_OK
     stop: list[int] = []
-    granted = claim(realtime=options.realtime)
+    granted = claim(realtime=options.realtime, priority=PLANT_PRIORITY if service == "plant" else FIFO_PRIORITY)
+    if service in _ALONE:
+        settle(options.port // _PORTS, alone=_ALONE[service])
     try:
         with Bus(service, options.cell, options.port, draw_number(), options.network) as bus:
 

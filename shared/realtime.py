@@ -9,12 +9,13 @@ import struct
 import sys
 from typing import NamedTuple
 
-FIFO_PRIORITY = 50  # the same for all: command and permit are both needed within a lease
+FIFO_PRIORITY = 49  # the same for both who answer: command and permit are both needed within a lease
+PLANT_PRIORITY = 50  # an answer that has come does not wait until who sent it has done
 _SWITCH_INTERVAL_S = 50e-6  # Python's 5 ms lets a busy thread hold a callback back for seconds
 _MCL_CURRENT, _MCL_FUTURE = 1, 2
 _PR_SET_PDEATHSIG, _PR_SET_TIMERSLACK = 1, 29
 _held: list[int] = []  # the idle-latency request lasts while its file is open
-_granted_fifo: list[bool] = []
+_granted: list[int] = []  # the priority
 
 
 class Granted(NamedTuple):
@@ -25,35 +26,46 @@ class Granted(NamedTuple):
     idle_latency: bool
 
 
-def claim(*, realtime: bool) -> Granted:
+def claim(*, realtime: bool, priority: int = FIFO_PRIORITY) -> Granted:
     """Claim what the host permits; call it before the transport starts its threads, which inherit it."""
     sys.setswitchinterval(_SWITCH_INTERVAL_S)
     libc = ctypes.CDLL(None, use_errno=True)
     libc.prctl(_PR_SET_TIMERSLACK, 1, 0, 0, 0)
     if not realtime:
         return Granted(False, False, False)
-    return Granted(_fifo(), libc.mlockall(_MCL_CURRENT | _MCL_FUTURE) == 0, _idle_latency())
+    return Granted(_fifo(priority), libc.mlockall(_MCL_CURRENT | _MCL_FUTURE) == 0, _idle_latency())
 
 
-def _fifo() -> bool:
+def _fifo(priority: int) -> bool:
     try:
-        os.sched_setscheduler(0, os.SCHED_FIFO, os.sched_param(FIFO_PRIORITY))
+        os.sched_setscheduler(0, os.SCHED_FIFO, os.sched_param(priority))
     except (OSError, AttributeError):
         return False
-    _granted_fifo.append(True)
+    _granted.append(priority)
     return True
+
+
+def settle(number: int, *, alone: bool) -> None:
+    """Take one processor, or leave that one to who does; where real-time scheduling was granted and there is a choice.
+
+    What a process has used lies in one processor's cache only. Cells with the next `number` take the next processor.
+    """
+    allowed = sorted(os.sched_getaffinity(0))
+    if _granted and len(allowed) > 1:
+        one = {allowed[-1 - number % len(allowed)]}
+        os.sched_setaffinity(0, one if alone else {*allowed} - one)
 
 
 def is_fifo() -> bool:
     """Whether this process was granted real-time scheduling."""
-    return bool(_granted_fifo)
+    return bool(_granted)
 
 
 def follow(clock: str) -> None:
     """Real-time scheduling where the wall clock paces and it was granted; in lockstep it would starve whoever watches."""
     if clock != "real":
         return interrupt_nobody()
-    return _schedule("SCHED_FIFO", FIFO_PRIORITY) if _granted_fifo else _schedule("SCHED_OTHER", 0)
+    return _schedule("SCHED_FIFO", _granted[-1]) if _granted else _schedule("SCHED_OTHER", 0)
 
 
 def interrupt_nobody() -> None:

@@ -33,10 +33,11 @@ TOPICS = (
     Topic("plant/fault", 15, messages.FaultEvent, "plant", False, "", False),
     Topic("controller/changed", 16, messages.ParameterEvent, "controller", False, "", False),
 )
+HERALD = Topic("plant/herald", 17, messages.Sample, "plant", False, "", True)  # tells nothing new: nobody records it
 ASK = Topic("operator/request", 8, messages.Ask, "operator", False, "", False)
 ANSWER = Topic("operator/answer", 9, messages.Answer, "", False, "", False)
-BY_KEY = {topic.key: topic for topic in TOPICS}
-BY_SCHEMA = {topic.schema: topic for topic in (*TOPICS, ASK, ANSWER)}
+BY_KEY = {topic.key: topic for topic in (*TOPICS, HERALD)}
+BY_SCHEMA = {topic.schema: topic for topic in (*TOPICS, HERALD, ASK, ANSWER)}
 
 SERVICES = ("plant", "controller", "supervisor", "recorder")
 

@@ -162,6 +162,43 @@ def test_a_change_acts_at_the_next_sample_which_the_answer_names_and_is_told_val
     assert cell.controller.status()["changed"][0] == 'controller.law "final" -> "pi"'
 
 
+def heralded(cell, number):
+    """What the controller makes of a herald of sample `number`: what is in its memory, and what it has published."""
+    before = cell.controller.memory, len(cell.bus.published)
+    cell.bus.send(
+        "plant/herald", header("plant/herald", number, echo_number=number), sample(number, 40, gate=int(GateState.OPEN))
+    )
+    cell.controller.step()
+    assert (cell.controller.memory, len(cell.bus.published)) == before
+    return cell.controller.status()["rehearsed"]
+
+
+def test_a_herald_of_the_last_sample_is_rehearsed_and_leaves_no_trace():
+    cell, other = Cell(SWING), Cell(SWING)
+    for one in (cell, other):
+        head = header("plant/sample", 0, echo_number=0)
+        one.bus.send("plant/sample", head, sample(0, -30))
+        one.controller.step()
+    assert heralded(cell, 0) == 1
+    assert cell.to_tick(40).bus.of("controller/command") == other.to_tick(40).bus.of("controller/command")
+
+
+@pytest.mark.parametrize("number", [1, -1])
+def test_a_herald_of_another_sample_is_left_alone(number):
+    cell = Cell(SWING)
+    cell.bus.send("plant/sample", header("plant/sample", 0, echo_number=0), sample(0, -30))
+    cell.controller.step()
+    assert heralded(cell, number) == 0
+
+
+def test_a_herald_before_the_plant_has_described_itself_is_left_alone():
+    bus = FakeBus("controller")
+    controller = Controller(bus)
+    bus.send("plant/herald", header("plant/herald"), sample(0))
+    controller.step()
+    assert controller.status()["rehearsed"] == 0
+
+
 def test_after_the_trial_and_after_a_load_the_loaded_values_are_back():
     cell = Cell(SWING).to_tick(40)
     loaded = cell.controller.params

@@ -3,7 +3,7 @@
 import pytest
 from wire_scene import ZERO, FakeBus, Query, command_body, header, permit_body
 
-from services.plant import service
+from services.plant import heralds, service
 from services.plant.config import GateLimits, PlantConfig
 from services.plant.device import Reading, Timeline
 from services.plant.lease import LeaseChoice
@@ -93,7 +93,7 @@ class Scene:
 
     def __init__(self, monkeypatch, clock_name="real", opened=True):
         self.wall, timeline = Wall(), Timeline()
-        for module in (service, clock, inbox):
+        for module in (service, heralds, clock, inbox):
             monkeypatch.setattr(module, "time", self.wall)
         self.bus, self.device = Peers(self.wall), Device(timeline)
         self.plant = service.Plant(self.bus, self.device, timeline, GateLimits(), lambda: False, LeaseChoice(fixed=True))
@@ -186,6 +186,37 @@ def test_in_lockstep_a_stop_is_served_while_the_plant_waits_for_an_answer(monkey
     scene.plant.latch()
     assert len(query.replies) == 1
     assert scene.device.written[-1][1] == ZERO and scene.device.written[-1][0] <= due + LATCH
+
+
+def test_in_a_trial_on_the_wall_clock_the_last_sample_goes_out_twice_more_after_the_latch(monkeypatch):
+    scene = Scene(monkeypatch)
+    scene.period()
+    sent = len(scene.bus.of("plant/herald"))
+    scene.plant.sample()
+    last, heralded = scene.bus.of("plant/sample")[-2], scene.bus.of("plant/herald")[sent:]
+    assert heralded == [last, last]
+    assert scene.plant.status()["heralds"] == sent + 2
+
+
+def test_before_a_trial_no_sample_is_heralded(monkeypatch):
+    assert not Scene(monkeypatch, opened=False).bus.of("plant/herald")
+
+
+def test_in_lockstep_no_sample_is_heralded(monkeypatch):
+    scene = Scene(monkeypatch)
+    scene.plant.schedule.envelope = scene.plant.schedule.envelope._replace(clock="lockstep")
+    sent = len(scene.bus.of("plant/herald"))
+    scene.plant.sample()
+    assert len(scene.bus.of("plant/herald")) == sent
+
+
+def test_samples_are_heralded_no_more_while_they_are_not_answered(monkeypatch):
+    scene = Scene(monkeypatch)
+    scene.bus.answer = lambda sample: None
+    scene.period()
+    sent = len(scene.bus.of("plant/herald"))
+    scene.period()
+    assert sent > 0 and len(scene.bus.of("plant/herald")) == sent
 
 
 @pytest.mark.parametrize(

@@ -19,7 +19,7 @@ from shared import messages, process
 from shared.codec import WIRE_VERSION, Header, Received, decode, encode
 from shared.endpoints import LISTENERS
 from shared.messages import NO_TRIAL, Command, ControllerState, Sample
-from shared.topics import ANSWER, ASK, BY_KEY, BY_SCHEMA, SERVICES, TOPICS, expression
+from shared.topics import ANSWER, ASK, BY_KEY, BY_SCHEMA, HERALD, SERVICES, TOPICS, expression
 
 ROOT = Path(__file__).resolve().parent.parent
 README = (ROOT / "README.md").read_text()
@@ -77,11 +77,12 @@ def test_the_topic_table_is_that_of_the_code() -> None:
         )
         for topic in TOPICS
     ]
+    assert f"`{HERALD.key}` (schema {HERALD.schema})" in README
 
 
 def test_the_wire_page_names_every_key_and_schema() -> None:
     written = {row[0]: row[1] for row in rows(WIRE, "key after the prefix")}
-    assert {key: written[key] for key in BY_KEY} == {topic.key: str(topic.schema) for topic in TOPICS}
+    assert {key: written[key] for key in BY_KEY} == {key: str(topic.schema) for key, topic in BY_KEY.items()}
     assert written["operator/request/<service>"] == f"{ASK.schema}, answer {ANSWER.schema}"
 
 

@@ -4,6 +4,8 @@ import sys
 
 import pytest
 
+from shared.realtime import FIFO_PRIORITY, PLANT_PRIORITY
+
 ROUNDS = """
 import os, threading
 from shared import realtime
@@ -32,3 +34,47 @@ def test_every_thread_is_scheduled_as_the_clock_wants_and_real_time_only_where_i
     paced = os.SCHED_FIFO if granted else os.SCHED_OTHER
     assert granted <= realtime
     assert policies == [[os.SCHED_BATCH], [paced], [os.SCHED_BATCH]]
+
+
+SETTLED = """
+import os
+from shared import realtime
+granted = realtime.claim(realtime={realtime}, priority={priority}).fifo
+allowed = sorted(os.sched_getaffinity(0))
+print(granted, *allowed)
+realtime.settle({number}, alone={alone})
+print(*sorted(os.sched_getaffinity(0)))
+realtime.follow("lockstep")
+realtime.follow("real")
+print(os.sched_getparam(0).sched_priority)
+"""
+
+
+def settled(number, *, alone, realtime=True, priority=FIFO_PRIORITY):
+    """Whether FIFO was granted, the processors allowed, those left, and the priority after a change of clocks."""
+    line = SETTLED.format(number=number, alone=alone, realtime=realtime, priority=priority)
+    told = subprocess.run([sys.executable, "-c", line], capture_output=True, text=True, check=True).stdout.splitlines()
+    granted, *allowed = told[0].split()
+    return granted == "True", allowed, told[1].split(), int(told[2])
+
+
+@pytest.mark.parametrize("number", [0, 1, 7])
+def test_one_takes_a_processor_that_another_leaves_and_neighbours_take_theirs_in_turn(number):
+    granted, allowed, taken, _ = settled(number, alone=True)
+    _, _, left, _ = settled(number, alone=False)
+    if not granted or len(allowed) == 1:
+        assert taken == left == allowed
+    else:
+        assert taken == [allowed[-1 - number % len(allowed)]]
+        assert sorted(left + taken, key=int) == allowed
+
+
+def test_without_real_time_scheduling_a_process_stays_free():
+    _, allowed, left, priority = settled(0, alone=True, realtime=False)
+    assert (left, priority) == (allowed, 0)
+
+
+def test_the_plant_goes_before_who_answers_it_and_keeps_that_from_clock_to_clock():
+    granted, *_, priority = settled(0, alone=True, priority=PLANT_PRIORITY)
+    assert priority == (PLANT_PRIORITY if granted else 0)
+    assert PLANT_PRIORITY > FIFO_PRIORITY

@@ -10,6 +10,7 @@ from services.plant.config import GateLimits, PlantConfig
 from services.plant.counters import Counters
 from services.plant.device import Device, Faults, Timeline
 from services.plant.gatekeeper import Gatekeeper
+from services.plant.heralds import Heralds
 from services.plant.lease import UNCHOSEN, LeaseChoice
 from services.plant.requests import answer
 from services.plant.trial import Schedule
@@ -35,17 +36,27 @@ class Plant:
     """Samples, latches and requests, in that order, for ever."""
 
     def __init__(
-        self, bus: Bus, device: Device, timeline: Timeline, limits: GateLimits, stopped: Callable[[], bool], lease: LeaseChoice
+        self,
+        bus: Bus,
+        device: Device,
+        timeline: Timeline,
+        limits: GateLimits,
+        stopped: Callable[[], bool],
+        lease: LeaseChoice,
+        *,
+        heralds: bool = True,
     ) -> None:
         """Take the places on the bus."""
         self.bus, self.device, self.timeline, self.stopped = bus, device, timeline, stopped
         self.grid, self.counters = Grid(), Counters()
         self.lease, self.faults = lease, LiveFaults(bus)
+        self.heralds = Heralds(bus, self.grid, wanted=heralds)
         self.keeper = Gatekeeper(bus, device, timeline, limits, self.counters)
         self.schedule = Schedule(PlantConfig())
         self.pending: Schedule | None = None
         self.due = 0  # sub-step of the next sample
         self._trial_zero_ns = 0
+        self._last: Sample | None = None
         self._truth: Truth | None = None
         self._faults: Faults = ()
 
@@ -61,6 +72,8 @@ class Plant:
 
     def sample(self) -> None:
         """Wait for the grid, read the converters, publish."""
+        if self._last is not None and self.timeline.tick != NO_TRIAL and not self._lockstep():
+            self.heralds.send(self.due, self._last)
         self._wait(self.due)
         if self._lockstep():
             self._receive_in_step(self.due)
@@ -100,6 +113,7 @@ class Plant:
         echo = (sample.number, sample.time_ns)
         self.bus.run = self.bus.run._replace(arming=self.keeper.mailbox.arming)
         self.bus.publish("plant/sample", sample, echo)
+        self._last = sample
         self._truth = self.device.truth()
         if self._lockstep():
             self._tell_truth()
@@ -153,8 +167,11 @@ class Plant:
     def _count(self) -> None:
         """What was in time is decided here, at the latch's drain, and nowhere else."""
         mailbox, number = self.keeper.mailbox, self.timeline.number
-        if self.timeline.tick != NO_TRIAL:
-            self.counters.latch(self.timeline.tick, answered=mailbox.answered >= number, judged=mailbox.judged >= number)
+        if self.timeline.tick == NO_TRIAL:
+            return
+        answered = mailbox.answered >= number
+        self.counters.latch(self.timeline.tick, answered=answered, judged=mailbox.judged >= number)
+        self.heralds.heed(answered=answered)
 
     def _await_answers(self) -> None:
         """Lockstep: until command and permit answer this sample, or a load ends the trial; PeerSilentError names who does not."""
@@ -251,4 +268,5 @@ class Plant:
             "tick": tick if tick != NO_TRIAL else None,
             "lease_ms": keeper.limits.permit_ttl_ns / 1e6 if self.lease.chosen else None,
             "counters": self.counters.summary(),
+            "heralds": self.heralds.sent,
         }
