@@ -5,13 +5,15 @@ from supervisor_scene import sample
 from wire_scene import FakeBus
 
 from services.plant import heralds
-from services.plant.heralds import LEADS_NS, REST, Heralds
+from services.plant.heralds import LEADS_NS, REST, SLOW, Heralds
 from shared import clock
 from shared.clock import Grid
 from shared.units import SUBSTEP_NS
 
 DUE = 90  # sub-steps
 DUE_NS = DUE * SUBSTEP_NS
+LATCH_NS = 3_600_000
+SLOW_NS = LATCH_NS // SLOW + 1
 
 
 class Wall:
@@ -62,15 +64,37 @@ def test_one_whose_instant_has_passed_is_left_out(wall, early_ns, sent):
     assert len(bus.sent) == sent
 
 
-def test_they_rest_after_a_sample_that_was_not_answered_and_then_come_again(wall):
-    made, grid = Heralds(Bus(wall), Grid(), wanted=True), Grid()
-    made.heed(answered=False)
-    for number in range(REST):
-        made.send(DUE * (number + 1), sample(number))
-        assert made.sent == 0
-        made.heed(answered=True)
-    made.send(grid.substep_at(wall.now_ns) + DUE, sample(REST))
-    assert made.sent == len(LEADS_NS)
+def rested(made, wall, *, after_ns):
+    """Samples until heralds go out again, each answered `after_ns`."""
+    for number in range(REST + 2):
+        sent = made.sent
+        made.send(Grid().substep_at(wall.now_ns) + (number + 1) * DUE, sample(number))
+        if made.sent > sent:
+            return number
+        made.heed(after_ns, LATCH_NS)
+    return None
+
+
+def test_they_rest_after_two_slow_answers_in_a_row_and_then_come_again(wall):
+    made = Heralds(Bus(wall), Grid(), wanted=True)
+    made.heed(SLOW_NS, LATCH_NS)
+    made.heed(LATCH_NS, LATCH_NS)
+    assert rested(made, wall, after_ns=SLOW_NS - 1) == REST
+
+
+@pytest.mark.parametrize("answers", [(SLOW_NS,), (SLOW_NS, SLOW_NS - 1, SLOW_NS), (SLOW_NS - 1,) * 9, (LATCH_NS, 0)])
+def test_they_do_not_rest_after_a_single_slow_answer(wall, answers):
+    made = Heralds(Bus(wall), Grid(), wanted=True)
+    for after_ns in answers:
+        made.heed(after_ns, LATCH_NS)
+    assert rested(made, wall, after_ns=0) == 0
+
+
+def test_they_go_on_resting_while_answers_stay_slow(wall):
+    made = Heralds(Bus(wall), Grid(), wanted=True)
+    made.heed(SLOW_NS, LATCH_NS)
+    made.heed(SLOW_NS, LATCH_NS)
+    assert rested(made, wall, after_ns=SLOW_NS) is None
 
 
 def test_whoever_wants_none_gets_none(wall):

@@ -71,7 +71,7 @@ class Device:
 
 
 class Peers(FakeBus):
-    """Supervisor and controller answer each sample after 1 ms and let the machine move."""
+    """Supervisor and controller answer each sample after 0.4 ms and let the machine move."""
 
     def __init__(self, wall):
         super().__init__("plant")
@@ -80,7 +80,7 @@ class Peers(FakeBus):
     def publish(self, key, body, echo=(-1, 0)):
         super().publish(key, body, echo)
         if key == "plant/sample":
-            self.wall.at(self.wall.now_ns + 1_000_000, lambda: self.answer(body))
+            self.wall.at(self.wall.now_ns + 400_000, lambda: self.answer(body))
 
     def answer(self, sample):
         echo = {"echo_number": sample.number, "echo_time_ns": sample.time_ns}
@@ -213,6 +213,7 @@ def test_in_lockstep_no_sample_is_heralded(monkeypatch):
 def test_samples_are_heralded_no_more_while_they_are_not_answered(monkeypatch):
     scene = Scene(monkeypatch)
     scene.bus.answer = lambda sample: None
+    scene.period()
     scene.period()
     sent = len(scene.bus.of("plant/herald"))
     scene.period()

@@ -7,7 +7,8 @@ from shared.clock import Grid, sleep_until
 from shared.messages import Sample
 
 LEADS_NS = (600_000, 300_000)  # before the sample: the first fetches what was displaced, the second finds it fetched
-REST = 200  # samples without heralds after one that was not answered in time: processors are short
+SLOW = 6  # an answer is slow that comes after the sixth part of the time until the latch
+REST = 200  # samples without heralds once two answers in a row were slow: processors are short
 
 
 class Heralds:
@@ -16,7 +17,7 @@ class Heralds:
     def __init__(self, bus: Bus, grid: Grid, *, wanted: bool) -> None:
         """None sent."""
         self._bus, self._grid = bus, grid
-        self._wanted, self._resting = wanted, 0
+        self._wanted, self._resting, self._slow = wanted, 0, False
         self.sent = 0
 
     def send(self, due: int, last: Sample) -> None:
@@ -30,6 +31,7 @@ class Heralds:
                 self._bus.publish("plant/herald", last, (last.number, last.time_ns))
                 self.sent += 1
 
-    def heed(self, *, answered: bool) -> None:
-        """What became of a sample at its latch."""
-        self._resting = max(0, self._resting - 1) if answered else REST
+    def heed(self, after_ns: int, latch_ns: int) -> None:
+        """How long after its sample an answer came; one that was not there at the latch took until then."""
+        before, self._slow = self._slow, after_ns * SLOW > latch_ns
+        self._resting = REST if self._slow and before else max(0, self._resting - 1)

@@ -171,7 +171,8 @@ class Plant:
             return
         answered = mailbox.answered >= number
         self.counters.latch(self.timeline.tick, answered=answered, judged=mailbox.judged >= number)
-        self.heralds.heed(answered=answered)
+        latch_ns = self.schedule.latch * SUBSTEP_NS
+        self.heralds.heed(self.keeper.command_age_ns if answered else latch_ns, latch_ns)
 
     def _await_answers(self) -> None:
         """Lockstep: until command and permit answer this sample, or a load ends the trial; PeerSilentError names who does not."""
