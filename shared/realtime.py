@@ -50,8 +50,10 @@ def settle(number: int, *, alone: bool) -> None:
 
     What a process has used lies in one processor's cache only. Cells with the next `number` take the next processor.
     """
+    if not _granted:
+        return
     allowed = sorted(os.sched_getaffinity(0))
-    if _granted and len(allowed) > 1:
+    if len(allowed) > 1:
         one = {allowed[-1 - number % len(allowed)]}
         os.sched_setaffinity(0, one if alone else {*allowed} - one)
 

@@ -163,7 +163,7 @@ def test_a_change_acts_at_the_next_sample_which_the_answer_names_and_is_told_val
 
 
 def heralded(cell, number):
-    """What the controller makes of a herald of sample `number`: what is in its memory, and what it has published."""
+    """Rehearsals so far, after a herald of sample `number`, which changes no memory and publishes nothing."""
     before = cell.controller.memory, len(cell.bus.published)
     cell.bus.send(
         "plant/herald", header("plant/herald", number, echo_number=number), sample(number, 40, gate=int(GateState.OPEN))
