@@ -7,6 +7,7 @@ import os
 import signal
 import struct
 import sys
+from collections.abc import Iterator
 from typing import NamedTuple
 
 FIFO_PRIORITY = 49  # the same for both who answer: command and permit are both needed within a lease
@@ -68,6 +69,20 @@ def follow(clock: str) -> None:
     if clock != "real":
         return interrupt_nobody()
     return _schedule("SCHED_FIFO", _granted[-1]) if _granted else _schedule("SCHED_OTHER", 0)
+
+
+@contextlib.contextmanager
+def unhurried() -> Iterator[None]:
+    """What this thread does now has no deadline, and takes no processor from who has one, of this cell or of another."""
+    if not _granted:
+        yield
+        return
+    policy, parameters = os.sched_getscheduler(0), os.sched_getparam(0)
+    os.sched_setscheduler(0, os.SCHED_OTHER, os.sched_param(0))
+    try:
+        yield
+    finally:
+        os.sched_setscheduler(0, policy, parameters)
 
 
 def interrupt_nobody() -> None:

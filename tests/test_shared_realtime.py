@@ -78,3 +78,27 @@ def test_the_plant_goes_before_who_answers_it_and_keeps_that_from_clock_to_clock
     granted, *_, priority = settled(0, alone=True, priority=PLANT_PRIORITY)
     assert priority == (PLANT_PRIORITY if granted else 0)
     assert PLANT_PRIORITY > FIFO_PRIORITY
+
+
+UNHURRIED = """
+import os, threading
+from shared import realtime
+def scheduled():
+    return os.sched_getscheduler(0), os.sched_getparam(0).sched_priority
+other = threading.Thread(target=threading.Event().wait, daemon=True)
+realtime.claim(realtime={realtime})
+other.start()
+before = scheduled()
+try:
+    with realtime.unhurried():
+        assert scheduled() == (os.SCHED_OTHER, 0)
+        assert os.sched_getscheduler(other.native_id) == before[0]
+        raise ValueError
+except ValueError:
+    assert scheduled() == before
+"""
+
+
+@pytest.mark.parametrize("realtime", [True, False])
+def test_unhurried_work_gives_way_in_its_own_thread_alone_and_ends_as_it_began(realtime):
+    subprocess.run([sys.executable, "-c", UNHURRIED.format(realtime=realtime)], check=True)

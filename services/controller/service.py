@@ -21,7 +21,7 @@ from shared.envelope import Envelope, checked, section, unseal
 from shared.live_faults import LiveFaults
 from shared.messages import NO_TRIAL, About, Command, GateState, Passed, Sample
 from shared.process import options_of, parser, serve
-from shared.realtime import follow
+from shared.realtime import follow, unhurried
 from shared.reception import due, reception, told
 from shared.requests import Request
 from shared.turns import Turns
@@ -149,6 +149,7 @@ class Controller:
         else:
             request.refuse(f"the controller knows no request {request.verb!r}")
 
+    @unhurried()
     def _load(self, request: Request) -> None:
         if self.about is None:
             return request.refuse("the plant has not described itself yet: start it, or wait a second")

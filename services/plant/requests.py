@@ -11,7 +11,7 @@ from shared.bus import Run
 from shared.envelope import one_fault, section, unseal
 from shared.faults import MOST_FAULTS, Fault, problem, row_of, ticks_of
 from shared.messages import NO_TRIAL, GateCause
-from shared.realtime import follow
+from shared.realtime import follow, unhurried
 from shared.reception import told
 from shared.requests import Request
 from shared.units import SUBSTEP_NS
@@ -50,8 +50,9 @@ def _load(plant: "Plant", request: Request) -> None:
     if _armed(plant):
         return request.refuse("a trial is armed or running: stop it first (`hydrohil stop`)")
     try:
-        envelope = unseal(str(request.arguments.get("envelope")))
-        schedule = Schedule(section(envelope, "plant", PlantConfig), envelope)
+        with unhurried():
+            envelope = unseal(str(request.arguments.get("envelope")))
+            schedule = Schedule(section(envelope, "plant", PlantConfig), envelope)
         about(schedule.config, plant.keeper.limits)
         plant.faults.loaded(envelope)
         if refused := plant.device.refuses(schedule.faults):

@@ -24,7 +24,7 @@ from shared.messages import NO_COMMAND, About, Mode, Passed, Permit, TripCause
 from shared.process import draw_number, options_of, parser, serve
 from shared.protection import worst
 from shared.qualified import UNKNOWN, Standing, beyond, plain, standing
-from shared.realtime import follow, is_fifo
+from shared.realtime import follow, is_fifo, unhurried
 from shared.reception import due, reception, told
 from shared.requests import Request
 from shared.timeliness import LATE_IN_A_ROW
@@ -257,8 +257,9 @@ class Supervisor:
         if self.memory.mode != DISARMED:
             return request.refuse(f"the mode is {Mode(self.memory.mode).name}: stop or reset first")
         try:
-            envelope = unseal(str(request.arguments.get("envelope")))
-            config = section(envelope, "supervisor", SupervisorConfig)
+            with unhurried():
+                envelope = unseal(str(request.arguments.get("envelope")))
+                config = section(envelope, "supervisor", SupervisorConfig)
             self.faults.loaded(envelope)
         except ValueError as error:
             return request.refuse(str(error))

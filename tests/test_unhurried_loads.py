@@ -1,0 +1,41 @@
+"""A load takes 25 ms of a processor: none of another cell's loop, which may share it."""
+
+import os
+from types import SimpleNamespace
+
+import pytest
+
+from services.controller import service as controller
+from services.plant import requests as plant
+from services.supervisor import service as supervisor
+from services.supervisor.modes import DISARMED
+from shared import realtime
+from shared.requests import Request
+
+IDLE = SimpleNamespace(
+    about=object(),
+    memory=SimpleNamespace(mode=DISARMED),
+    keeper=SimpleNamespace(
+        gate=SimpleNamespace(arming=0), mailbox=SimpleNamespace(permit_seen=lambda _: SimpleNamespace(arming=0))
+    ),
+    now_ns=lambda: 0,
+)
+LOADS = [(plant, plant._load), (controller, controller.Controller._load), (supervisor, supervisor.Supervisor._load)]
+
+
+@pytest.mark.skipif(not hasattr(os, "SCHED_FIFO"), reason="this system has no SCHED_FIFO")
+@pytest.mark.parametrize(("module", "load"), LOADS)
+def test_a_load_is_read_and_checked_without_real_time_scheduling(module, load, monkeypatch):
+    told, answers = [], []
+
+    def unseal(_):
+        told.append("unseal")
+        raise ValueError("no envelope")
+
+    monkeypatch.setattr(module, "unseal", unseal)
+    monkeypatch.setattr(realtime, "_granted", [realtime.FIFO_PRIORITY])
+    monkeypatch.setattr(os, "sched_getscheduler", lambda _: os.SCHED_FIFO)
+    monkeypatch.setattr(os, "sched_setscheduler", lambda _, policy, __: told.append(policy))
+    load(IDLE, Request("load", {}, lambda *answer: answers.append(answer)))
+    assert told == [os.SCHED_OTHER, "unseal", os.SCHED_FIFO]
+    assert answers[0][:2] == (False, "no envelope")
