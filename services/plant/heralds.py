@@ -6,7 +6,7 @@ from shared.bus import Bus
 from shared.clock import Grid, sleep_until
 from shared.messages import Sample
 
-LEADS_NS = (600_000, 300_000)  # before the sample: the first fetches what was displaced, the second finds it fetched
+LEADS_NS = (400_000, 200_000)  # before the sample: the first fetches what was displaced, the second finds it fetched
 SLOW = 6  # an answer is slow that comes after the sixth part of the time until the latch
 REST = 200  # samples without heralds once two answers in a row were slow: processors are short
 
