@@ -52,10 +52,10 @@ class Battery:
                 if not way.whole:
                     self._live(row, place, way, rig)
         proofs = [(row, place, way) for row, place, way in ways if isinstance(way, Proved)]
-        left_out = [proof for proof in proofs if self.wish.quick and proof[2].letter == "W"]
-        for row, place, way in left_out:
-            self.tried[row.number, place] = Tried(way, (), QUICK)
-        self._prove([proof for proof in proofs if proof not in left_out])
+        for row, place, way in proofs:
+            if is_left_out(way, self.wish):
+                self.tried[row.number, place] = Tried(way, (), QUICK)
+        self._prove([proof for proof in proofs if not is_left_out(proof[2], self.wish)])
 
     def results(self) -> tuple[Result, ...]:
         """Every row, complete or not."""
@@ -73,7 +73,7 @@ class Battery:
         return way.trial(self.wish.seed + number)
 
     def _live(self, row: Row, place: int, way: Lived, rig: Rig) -> None:
-        if way.letter == "W" and self.wish.quick:
+        if is_left_out(way, self.wish):
             self.tried[row.number, place] = Tried(way, (), QUICK)
         else:
             self._repeat(row, place, way, partial(self._in_cell, row, way, rig))
@@ -91,11 +91,10 @@ class Battery:
             rig.revive()
         return trial
 
-    def _add(self, row: Row, place: int, way: Way, *trials: Trial) -> None:
+    def _add(self, row: Row, place: int, way: Way, trial: Trial) -> None:
         before = self.tried.get((row.number, place)) or Tried(way, ())
-        self.tried[row.number, place] = before._replace(trials=before.trials + trials)
-        for trial in trials:
-            self.show(title(row, way), trial)
+        self.tried[row.number, place] = before._replace(trials=(*before.trials, trial))
+        self.show(title(row, way), trial)
 
     def _prove(self, proofs: list[tuple[Row, int, Proved]]) -> None:
         if not (ROOT / "tests").is_dir():
@@ -111,10 +110,10 @@ class Battery:
             found = {test: Proof((Trial(False, str(error)),)) for _, _, way in proofs for test in way.tests}
         for row, place, way in proofs:
             proof = together(found[test] for test in way.tests)
+            self.tried[row.number, place] = Tried(way, proof.trials, proof.skipped)
             if proof.trials:
-                self._add(row, place, way, *proof.trials)
-            else:
-                self.tried[row.number, place] = Tried(way, (), proof.skipped)
+                failed = [trial.words for trial in proof.trials if not trial.held]
+                self.show(title(row, way), Trial(not failed, "; ".join(failed)))
 
 
 def title(row: Row, way: Way) -> str:
@@ -122,12 +121,16 @@ def title(row: Row, way: Way) -> str:
     return f"{row.number} {way.letter} {way.words}"
 
 
+def is_left_out(way: Way, wish: Wish) -> bool:
+    """Whether a quick battery leaves it out: what takes the wall clock."""
+    return wish.quick and isinstance(way, Lived | Proved) and way.letter == "W"
+
+
 def count(way: Way, trials: int) -> int:
-    """How many trials a way takes: its own most, or as many as asked for."""
-    return min(way.most, trials) if isinstance(way, Played | Lived) else 0
+    """How many trials a way takes: its own most, or as many as asked for; tests, whatever their cases, are one."""
+    return min(way.most, trials) if isinstance(way, Played | Lived) else int(isinstance(way, Proved))
 
 
 def total(rows: Iterable[Row], wish: Wish) -> int:
     """Trials of all rows, for a bar."""
-    ways = [way for row in rows for way in row.ways]
-    return sum(count(way, wish.trials) for way in ways if not (wish.quick and isinstance(way, Lived) and way.letter == "W"))
+    return sum(count(way, wish.trials) for row in rows for way in row.ways if not is_left_out(way, wish))

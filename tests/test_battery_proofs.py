@@ -6,7 +6,7 @@ import pytest
 from junitparser import JUnitXml
 
 from battery import proofs
-from battery.battery import QUICK, Battery, Wish
+from battery.battery import QUICK, Battery, Wish, total
 from battery.proofs import Proof, proof_of, prove, together
 from battery.tally import HELD, UNTRIED
 from battery.trial import Proved, Row, Trial
@@ -77,3 +77,22 @@ def test_proofs_by_real_processes_are_left_out_of_the_quick_battery(folder: Path
     assert played(row("test_slow", "W"), quick=True) == (UNTRIED, QUICK)
     assert played(row("test_slow", "W")) == (HELD, "")
     assert played(row("test_slow"), quick=True) == (HELD, "")
+
+
+@pytest.mark.parametrize(("name", "letter", "quick", "steps"), [("test_slow", "P", False, 1), ("test_slow", "W", True, 0)])
+def test_a_bar_takes_one_step_for_the_tests_of_a_way_whatever_their_cases(folder: Path, name, letter, quick, steps):
+    told, wish = [], Wish(1, 0, quick)
+    one = row(name, letter)
+    Battery((one,), {}, wish, lambda title, trial: told.append((title, trial))).play()
+    assert total((one,), wish) == steps
+    assert [(title, trial.held) for title, trial in told if trial is not None] == [(f"8 {letter} a proof", True)] * steps
+
+
+def test_every_case_that_fails_is_named_in_one_step(folder: Path):
+    (folder / "tests" / "test_x.py").write_text(
+        "import pytest\n\n@pytest.mark.parametrize('n', [1, 2, 3])\ndef test_n(n):\n    assert n > 2\n"
+    )
+    told = []
+    Battery((row("test_n"),), {}, Wish(1, 0, quick=False), lambda _, trial: told.append(trial)).play()
+    (trial,) = [trial for trial in told if trial is not None]
+    assert not trial.held and "test_n[1]" in trial.words and "test_n[2]" in trial.words and "test_n[3]" not in trial.words
