@@ -11,6 +11,7 @@ from services.plant.trial import Schedule
 from shared import clock, inbox
 from shared.envelope import seal, unseal
 from shared.messages import GateCause, GateState
+from shared.units import SUBSTEP_NS
 
 MOVING = (2100, 2000, 2048)
 PERIOD, LATCH = 90, 72  # sub-steps of the thesis' period and of its latch
@@ -208,6 +209,19 @@ def test_in_lockstep_no_sample_is_heralded(monkeypatch):
     sent = len(scene.bus.of("plant/herald"))
     scene.plant.sample()
     assert len(scene.bus.of("plant/herald")) == sent
+
+
+def test_answers_in_lockstep_which_come_at_the_latch_let_no_herald_rest(monkeypatch):
+    scene = Scene(monkeypatch)
+    real = scene.plant.schedule.envelope
+    scene.plant.schedule.envelope = real._replace(clock="lockstep")
+    scene.plant.keeper.command_age_ns = LATCH * SUBSTEP_NS
+    for _ in range(2):
+        scene.plant._count()
+    scene.plant.schedule.envelope = real
+    sent = len(scene.bus.of("plant/herald"))
+    scene.plant.sample()
+    assert len(scene.bus.of("plant/herald")) == sent + 2
 
 
 def test_samples_are_heralded_no_more_while_they_are_not_answered(monkeypatch):

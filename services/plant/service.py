@@ -171,6 +171,8 @@ class Plant:
             return
         answered = mailbox.answered >= number
         self.counters.latch(self.timeline.tick, answered=answered, judged=mailbox.judged >= number)
+        if self._lockstep():  # whose answers all come at the latch
+            return
         latch_ns = self.schedule.latch * SUBSTEP_NS
         self.heralds.heed(self.keeper.command_age_ns if answered else latch_ns, latch_ns)
 
