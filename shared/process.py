@@ -11,7 +11,7 @@ from collections.abc import Callable
 from typing import NamedTuple, NoReturn
 
 from shared.bus import DEFAULT_PORT, Bus, BusError
-from shared.endpoints import HERE, Network, address, network
+from shared.endpoints import HERE, LISTENERS, Network, address, network
 from shared.realtime import (
     FIFO_PRIORITY,
     PLANT_PRIORITY,
@@ -24,7 +24,6 @@ from shared.realtime import (
 
 EXIT_OK, EXIT_CLAIM, EXIT_USAGE, EXIT_TRIPPED, EXIT_TRANSPORT = 0, 1, 2, 3, 5
 _NUMBER_BITS = 62
-_PORTS = 4  # of a cell
 _ALONE = {"controller": True, "supervisor": False}  # whether it has its cell's chosen processor; the plant goes where one is free
 DEFAULT_CELL = "cell"
 _ROUTER_POLL_S = 0.1
@@ -101,7 +100,7 @@ def serve(service: str, options: Options, run: Callable[[Bus, Callable[[], bool]
     stop: list[int] = []
     granted = claim(realtime=options.realtime, priority=PLANT_PRIORITY if service == "plant" else FIFO_PRIORITY)
     if service in _ALONE:
-        settle(options.port // _PORTS, alone=_ALONE[service])
+        settle(options.port // len(LISTENERS), alone=_ALONE[service])
     try:
         with Bus(service, options.cell, options.port, draw_number(), options.network) as bus:
 
