@@ -31,11 +31,11 @@ check: install
 	$(BIN)/mypy
 
 # Kernels run plain, so that their branches are seen; fails below 100 %.
-COVERED := tests/test_gate_*.py tests/test_supervisor_*.py tests/test_black_channel.py tests/test_wire_fuzz.py \
-	tests/test_shared_acceptance.py tests/test_shared_bus.py tests/test_shared_codec.py tests/test_shared_inbox.py \
-	tests/test_shared_protection.py tests/test_shared_reception.py tests/test_shared_requests.py tests/test_shared_timeliness.py tests/test_shared_turns.py \
-	tests/test_plant_gatekeeper*.py tests/test_plant_lease.py tests/test_plant_ledger.py tests/test_plant_mailbox.py \
-	tests/test_plant_numbers.py
+COVERED := tests/test_gate_*.py tests/test_supervisor_*.py tests/proof/test_black_channel.py tests/proof/test_wire_fuzz.py \
+	tests/shared/transport/test_acceptance.py tests/shared/transport/test_bus.py tests/shared/contract/test_codec.py tests/shared/transport/test_inbox.py \
+	tests/shared/transport/test_protection.py tests/shared/transport/test_link_stats.py tests/shared/transport/test_requests.py tests/shared/contract/test_timeliness.py tests/shared/transport/test_step_lock.py \
+	tests/test_plant_gatekeeper*.py tests/shared/host/test_lease.py tests/plant/test_ledger.py tests/plant/test_mailbox.py \
+	tests/plant/test_cause_values.py
 
 coverage: install
 	NUMBA_DISABLE_JIT=1 $(BIN)/python -m coverage run -m pytest -q $(COVERED)

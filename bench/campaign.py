@@ -14,14 +14,14 @@ import psutil
 import rig
 from distributed import Client
 
-from campaigns.campaign import Plan
-from campaigns.cluster import cluster
-from campaigns.reading import from_table
-from campaigns.run import pending, run, trial_s
-from campaigns.store import opened
-from campaigns.work import warm
-from experiments.library import find
-from rollout.rollout import play_local
+from hydrohil.campaign.campaign import Plan
+from hydrohil.campaign.cluster import cluster
+from hydrohil.campaign.reading import from_table
+from hydrohil.campaign.run import pending, run, trial_s
+from hydrohil.campaign.store import opened
+from hydrohil.campaign.work import warm
+from hydrohil.simulation.rollout import play_local
+from hydrohil.thesis.library import find
 
 NAME, LIMIT_S = "fig-4-25", 10.0
 

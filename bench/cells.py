@@ -12,8 +12,8 @@ from typing import Any
 import load
 import rig
 
-from qualification.loop import trial_of
-from services.operator import cell as cells
+from hydrohil.cell import processes as cells
+from hydrohil.qualification.loop import trial_of
 
 COLUMNS = ("cells", "cores used", "cores a cell", "p50, us", "p99, us", "unanswered", "tripped")
 

@@ -15,11 +15,11 @@ from typing import Any, NamedTuple
 import numpy as np
 import rig
 
-from experiments.experiment import Experiment
-from experiments.library import find
-from experiments.overrides import with_overrides
-from experiments.trace import Trace, load
-from rollout.rollout import rollout
+from hydrohil.claims.trace import Trace, load
+from hydrohil.experiment.experiment import Experiment
+from hydrohil.experiment.overrides import with_overrides
+from hydrohil.simulation.rollout import rollout
+from hydrohil.thesis.library import find
 
 WALL_CLOCK_FIELDS = ("sample_age_s",)  # ages on the wall clock: the only columns that may differ
 FAULTS = ("late_commands", "unanswered", "late_permits")

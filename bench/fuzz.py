@@ -17,12 +17,11 @@ from collections.abc import Callable
 from pathlib import Path
 
 ROOT = Path(__file__).resolve().parent.parent
-sys.path[:0] = [str(ROOT), str(ROOT / "tests")]
+sys.path.insert(0, str(ROOT))  # the tests are not installed
 
-import wire_fuzz as fuzz  # noqa: E402 (after the path)
-
-from shared.codec import Rejected, decode  # noqa: E402
-from shared.topics import BY_KEY, BY_SCHEMA  # noqa: E402
+from hydrohil.shared.contract.codec import Rejected, decode  # noqa: E402
+from hydrohil.shared.contract.topics import BY_KEY, BY_SCHEMA  # noqa: E402
+from tests.support import wire_fuzz as fuzz  # noqa: E402
 
 FEW = 50  # one input in so many is an envelope and an experiment, which cost as much as fifty frames; and one a request
 SHOWN = 10

@@ -16,13 +16,13 @@ from typing import Any
 import load
 import rig
 
-from qualification import probe
-from qualification.loop import EXPERIMENT, settings, trial_of
-from qualification.spread import spread
-from qualification.transport import frame_bytes
-from services.operator import cell as cells
-from services.plant.config import latch_substeps
-from shared.units import NS_PER_S, SUBSTEP_NS
+from hydrohil.cell import processes as cells
+from hydrohil.qualification import probe
+from hydrohil.qualification.loop import EXPERIMENT, settings, trial_of
+from hydrohil.qualification.spread import spread
+from hydrohil.qualification.transport import frame_bytes
+from hydrohil.services.plant.config import latch_substeps
+from hydrohil.shared.units import NS_PER_S, SUBSTEP_NS
 
 PERCENTILES = ("p50", "p99", "max")
 

@@ -5,11 +5,11 @@ import time
 from collections.abc import Iterable
 from pathlib import Path
 
-from experiments.experiment import Experiment
-from services.operator import cell as cells
-from services.operator.session import arm, load
-from shared.bus import Bus
-from shared.messages import Mode
+from hydrohil.cell import processes as cells
+from hydrohil.cell.session import arm, load
+from hydrohil.experiment.experiment import Experiment
+from hydrohil.shared.contract.messages import Mode
+from hydrohil.shared.transport.bus import Bus
 
 TICK_S = 1.0 / os.sysconf("SC_CLK_TCK")
 _LOOK_S = 0.1  # so seldom that looking costs the trial nothing

@@ -12,10 +12,10 @@ from typing import Any
 import load
 import rig
 
-from qualification.loop import trial_of
-from qualification.probe import Asked, ping
-from services.operator import cell as cells
-from shared.bus import Bus
+from hydrohil.cell import processes as cells
+from hydrohil.qualification.loop import trial_of
+from hydrohil.qualification.probe import Asked, ping
+from hydrohil.shared.transport.bus import Bus
 
 HURRIED_NS, PINGED_S = 50_000, 0.25  # a period that no round trip keeps; 5000 of them
 RING = 1 << 15

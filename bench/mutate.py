@@ -19,35 +19,37 @@ from typing import Any
 
 ROOT = Path(__file__).resolve().parent.parent
 TESTS = {
-    "services/plant/gate.py": ["tests/test_gate_conditions.py", "tests/test_gate_arming.py"],
-    "services/supervisor/rules.py": ["tests/test_supervisor_rules.py"],
-    "services/supervisor/force_rules.py": ["tests/test_supervisor_rules.py"],
-    "services/supervisor/motion_rules.py": ["tests/test_supervisor_rules.py"],
-    "services/supervisor/transport_rules.py": ["tests/test_supervisor_rules.py"],
-    "services/supervisor/link_rules.py": ["tests/test_supervisor_rules.py"],
-    "services/supervisor/answers.py": ["tests/test_supervisor_answers.py"],
-    "services/supervisor/observe.py": ["tests/test_supervisor_observe.py", "tests/test_supervisor_observe_motion.py"],
-    "services/supervisor/observe_force.py": ["tests/test_supervisor_observe_force.py"],
-    "services/supervisor/observe_motion.py": ["tests/test_supervisor_observe_motion.py"],
-    "services/supervisor/modes.py": ["tests/test_supervisor_modes.py"],
-    "services/supervisor/agreement.py": ["tests/test_supervisor_agreement.py"],
-    "services/supervisor/step.py": ["tests/test_supervisor_step.py", "tests/test_supervisor_reset.py"],
-    "services/plant/mailbox.py": ["tests/test_plant_mailbox.py"],
-    "services/plant/ledger.py": ["tests/test_plant_ledger.py"],
-    "services/plant/lease.py": ["tests/test_plant_lease.py"],
-    "services/plant/numbers.py": ["tests/test_plant_numbers.py"],
-    "services/plant/gatekeeper.py": ["tests/test_plant_gatekeeper.py", "tests/test_plant_gatekeeper_clock.py"],
-    "shared/acceptance.py": ["tests/test_shared_acceptance.py"],
-    "shared/inbox.py": ["tests/test_shared_inbox.py"],
-    "shared/codec.py": ["tests/test_shared_codec.py"],
-    "shared/protection.py": ["tests/test_shared_protection.py"],
-    "shared/timeliness.py": ["tests/test_shared_timeliness.py"],
-    "shared/turns.py": ["tests/test_shared_turns.py"],
-    "shared/reception.py": ["tests/test_shared_reception.py"],
-    "shared/requests.py": ["tests/test_shared_requests.py", "tests/test_shared_bus.py"],
+    "services/plant/gate.py": ["tests/plant/test_gate_conditions.py", "tests/plant/test_gate_arming.py"],
+    "services/supervisor/rules.py": ["tests/supervisor/test_rules.py"],
+    "services/supervisor/force_rules.py": ["tests/supervisor/test_rules.py"],
+    "services/supervisor/motion_rules.py": ["tests/supervisor/test_rules.py"],
+    "services/supervisor/transport_rules.py": ["tests/supervisor/test_rules.py"],
+    "services/supervisor/link_rules.py": ["tests/supervisor/test_rules.py"],
+    "shared/contract/deadline_window.py": ["tests/shared/contract/test_deadline_window.py"],
+    "services/supervisor/observe.py": ["tests/supervisor/test_observe.py", "tests/supervisor/test_observe_motion.py"],
+    "services/supervisor/observe_force.py": ["tests/supervisor/test_observe_force.py"],
+    "services/supervisor/observe_motion.py": ["tests/supervisor/test_observe_motion.py"],
+    "services/supervisor/modes.py": ["tests/supervisor/test_modes.py"],
+    "services/supervisor/prearm_checks.py": ["tests/supervisor/test_prearm_checks.py"],
+    "services/supervisor/step.py": ["tests/supervisor/test_step.py", "tests/supervisor/test_reset.py"],
+    "services/plant/mailbox.py": ["tests/plant/test_mailbox.py"],
+    "services/plant/ledger.py": ["tests/plant/test_ledger.py"],
+    "shared/host/lease.py": ["tests/shared/host/test_lease.py"],
+    "services/plant/cause_values.py": ["tests/plant/test_cause_values.py"],
+    "services/plant/gatekeeper.py": ["tests/plant/test_gatekeeper.py", "tests/plant/test_gatekeeper_clock.py"],
+    "shared/transport/acceptance.py": ["tests/shared/transport/test_acceptance.py"],
+    "shared/transport/inbox.py": ["tests/shared/transport/test_inbox.py"],
+    "shared/contract/codec.py": ["tests/shared/contract/test_codec.py"],
+    "shared/transport/protection.py": ["tests/shared/transport/test_protection.py"],
+    "shared/contract/timeliness.py": ["tests/shared/contract/test_timeliness.py"],
+    "shared/transport/step_lock.py": ["tests/shared/transport/test_step_lock.py"],
+    "shared/transport/link_stats.py": ["tests/shared/transport/test_link_stats.py"],
+    "shared/transport/requests.py": ["tests/shared/transport/test_requests.py", "tests/shared/transport/test_bus.py"],
 }
 EQUIVALENT = {  # changes that no test can see, and why; they are not tried
-    "shared/codec.py": {"if arrays: always True": "of a message without arrays the same checks hold of nothing, a tenth slower"},
+    "shared/contract/codec.py": {
+        "if arrays: always True": "of a message without arrays the same checks hold of nothing, a tenth slower"
+    },
 }
 COMPARISONS: dict[type[ast.cmpop], tuple[type[ast.cmpop], ...]] = {
     ast.Lt: (ast.LtE, ast.Gt),
@@ -158,15 +160,15 @@ def _test(module: str, tree: ast.Module) -> int:
     import hypothesis
     import pytest
 
-    import shared.kernel
+    from hydrohil.shared.compiled import kernel
 
     quiet = os.open(os.devnull, os.O_WRONLY)
     os.dup2(quiet, 1)
     os.dup2(quiet, 2)
     hypothesis.settings.register_profile("mutants", deadline=None, derandomize=True, database=None)
     hypothesis.settings.load_profile("mutants")  # a slow host kills no mutant, and the same ones survive every time
-    shared.kernel.compiled = lambda function: function
-    name = module.removesuffix(".py").replace("/", ".")
+    kernel.compiled = lambda function: function
+    name = f"hydrohil.{module.removesuffix('.py').replace('/', '.')}"
     parent, _, own = name.rpartition(".")
     made = types.ModuleType(name)
     made.__file__ = str(ROOT / module)
@@ -180,7 +182,7 @@ def main(chosen: list[str], jobs: int) -> int:
     """Try every mutant of the chosen modules; 1 if one survives."""
     os.chdir(ROOT)
     sys.dont_write_bytecode = True
-    sys.path[:0] = [str(ROOT), str(ROOT / "tests")]
+    sys.path.insert(0, str(ROOT))  # the tests are not installed
     for name in PRELOADED:
         importlib.import_module(name)
     total = alive = 0

@@ -19,14 +19,14 @@ import rig
 from annotated_types import Len
 from soak import growth, resident_bytes
 
-from services.operator import cell as cells
-from services.recorder.columns import column_names
-from shared.bus import Bus
-from shared.converters import UNIMATE_CONVERTERS, UNIMATE_ENCODERS, UNIMATE_FORCE
-from shared.messages import About, InboxCounts, Reception
-from shared.process import draw_number
-from shared.topics import TOPICS, Topic
-from shared.units import NS_PER_S
+from hydrohil.cell import processes as cells
+from hydrohil.shared.contract.columns import column_names
+from hydrohil.shared.contract.converters import UNIMATE_CONVERTERS, UNIMATE_ENCODERS, UNIMATE_FORCE
+from hydrohil.shared.contract.messages import About, InboxCounts, Reception
+from hydrohil.shared.contract.topics import TOPICS, Topic
+from hydrohil.shared.host.process import draw_number
+from hydrohil.shared.transport.bus import Bus
+from hydrohil.shared.units import NS_PER_S
 
 LOOP_TOPICS = tuple(topic for topic in TOPICS if topic.per_sample)
 POOL = 997  # different bodies of a topic; a prime, so that they meet the rate's round numbers anew

@@ -15,11 +15,11 @@ from typing import Any
 from rich.console import Console
 from rich.table import Table
 
-from services.operator import cell as cells
-from shared.bus import Bus
-from shared.kernel import source_version
-from shared.topics import SERVICES
-from shared.units import SUBSTEP_S
+from hydrohil.cell import processes as cells
+from hydrohil.shared.compiled.kernel import source_version
+from hydrohil.shared.contract.topics import SERVICES
+from hydrohil.shared.transport.bus import Bus
+from hydrohil.shared.units import SUBSTEP_S
 
 FIRST_PORT, LAST_PORT = 20_000, 30_000  # below the ports that the kernel hands out
 console = Console(width=None if sys.stdout.isatty() else 120, highlight=False)
@@ -66,9 +66,7 @@ def hydrohil(*arguments: str, place: cells.Place | None = None) -> subprocess.Co
     """`hydrohil ...` to its end; what is measured here is measured above a signed rate too."""
     arguments += ("--unqualified",) * (arguments[0] == "run")
     where = [] if place is None else place.words
-    return subprocess.run(
-        [sys.executable, "-m", "services.operator.cli", *arguments, *where], capture_output=True, text=True, check=False
-    )
+    return subprocess.run([sys.executable, "-m", "hydrohil", *arguments, *where], capture_output=True, text=True, check=False)
 
 
 def table(title: str, columns: Sequence[str], rows: Sequence[Sequence[object]]) -> None:

@@ -14,13 +14,13 @@ import numpy as np
 import rig
 from load import begin
 
-from experiments.experiment import Experiment
-from qualification.loop import trial_of
-from services.operator import cell as cells
-from shared.bus import Bus
-from shared.codec import Received
-from shared.messages import NO_TRIAL, Mode
-from shared.units import SUBSTEP_S
+from hydrohil.cell import processes as cells
+from hydrohil.experiment.experiment import Experiment
+from hydrohil.qualification.loop import trial_of
+from hydrohil.shared.contract.codec import Received
+from hydrohil.shared.contract.messages import NO_TRIAL, Mode
+from hydrohil.shared.transport.bus import Bus
+from hydrohil.shared.units import SUBSTEP_S
 
 RING = 1 << 14  # frames between two looks
 LOOK_S = 0.5

@@ -13,15 +13,15 @@ from typing import Any, NamedTuple
 
 import rig
 
-from experiments.experiment import Experiment
-from experiments.library import find
-from rollout.cell import Setup
-from rollout.rollout import play_local, setup
-from services.plant.config import GateLimits
-from services.plant.machine import MachineState, advance
-from services.plant.noise import sample_intervals
-from shared.converters import ZERO_CODE
-from shared.kernel import compiled
+from hydrohil.experiment.experiment import Experiment
+from hydrohil.services.plant.config import GateLimits
+from hydrohil.services.plant.machine import MachineState, advance
+from hydrohil.services.plant.noise import sample_intervals
+from hydrohil.shared.compiled.kernel import compiled
+from hydrohil.shared.contract.converters import ZERO_CODE
+from hydrohil.simulation.loop import Setup
+from hydrohil.simulation.rollout import play_local, setup
+from hydrohil.thesis.library import find
 
 EXPERIMENTS = ("fig-4-25", "fig-5-5", "fig-5-11", "fig-5-13", "fig-7-1")
 NS = 1e9

@@ -13,10 +13,10 @@ from typing import Any
 
 import rig
 
-from experiments.library import find
-from qualification.spread import percentile
-from services.operator import cell as cells
-from services.operator.session import arm, load
+from hydrohil.cell import processes as cells
+from hydrohil.cell.session import arm, load
+from hydrohil.qualification.spread import percentile
+from hydrohil.thesis.library import find
 
 EXPERIMENT = "fig-4-25"
 

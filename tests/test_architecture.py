@@ -1,14 +1,16 @@
 """Who may import whom; read from the sources, so that it stays true."""
 
 import ast
+from functools import cache
 from pathlib import Path
 
 import pytest
 
-from shared.kernel import KERNEL_FOLDERS, SOURCE_FOLDERS
+from hydrohil.shared.compiled.kernel import KERNEL_FOLDERS, sources
 
-ROOT = Path(__file__).resolve().parent.parent
-SOURCES = {path.relative_to(ROOT).as_posix(): path for folder in SOURCE_FOLDERS for path in (ROOT / folder).rglob("*.py")}
+PACKAGE = Path(__file__).resolve().parent.parent / "hydrohil"
+SOURCES = {path.relative_to(PACKAGE).as_posix(): path for path in sources()}
+MODULES = {f"hydrohil.{name.removesuffix('.py').replace('/', '.')}".removesuffix(".__init__"): name for name in SOURCES}
 IMPURE = {
     "time",
     "os",
@@ -24,12 +26,38 @@ IMPURE = {
     "pathlib",
 }
 
+# The one list of packages, lowest first: a package may import those of the rows above its own, and no other of its row.
+LAYERS: tuple[tuple[str, ...], ...] = (
+    ("shared",),
+    ("services",),
+    ("claims",),
+    ("experiment",),
+    ("thesis", "simulation", "pages"),
+    ("cell", "linear", "tuning", "campaign", "explain"),
+    ("qualification", "reproduction"),
+    ("faulttest",),
+    ("cli",),
+)
+LAYER_OF = {package: number for number, row in enumerate(LAYERS) for package in row}
+TAKE_SERVICES = {
+    "experiment",
+    "thesis",
+    "simulation",
+    "linear",
+    "explain",
+}  # the services' pure modules; `cli` starts their shells
+SHELLS = {"main", "service"}
+SHARED_ORDER = ("units", "cache", "draws", "compiled", "contract", "transport", "host", "trips")  # lowest first
 
+
+@cache
 def tree(path):
     return ast.parse(path.read_text())
 
 
+@cache
 def imports(path):
+    """Every module that a file imports, and every name that it imports from one, with dots."""
     found = set()
     for node in ast.walk(tree(path)):
         if isinstance(node, ast.Import):
@@ -42,6 +70,12 @@ def imports(path):
 
 def roots(path):
     return {name.split(".")[0] for name in imports(path)}
+
+
+def ours(name):
+    """Modules of this package that a file imports, as `(package, rest)`; itself left out."""
+    found = {module for module in imports(SOURCES[name]) if module in MODULES and module != "hydrohil"}
+    return {tuple(module.split(".")[1:]) for module in found if MODULES[module] != name}
 
 
 def has_kernels(path):
@@ -64,7 +98,7 @@ def test_kernels_lie_where_the_name_of_the_machine_code_sees_them():
 
 
 def test_only_the_bus_imports_the_transport():
-    assert [name for name, path in SOURCES.items() if "zenoh" in roots(path)] == ["shared/bus.py"]
+    assert [name for name, path in SOURCES.items() if "zenoh" in roots(path)] == ["shared/transport/bus.py"]
 
 
 def test_only_the_recorder_and_who_opens_its_viewer_import_rerun():
@@ -73,33 +107,72 @@ def test_only_the_recorder_and_who_opens_its_viewer_import_rerun():
     assert all(name.startswith("services/recorder/") for name in users)
 
 
-BELOW = {  # what each folder may import of ours, beside itself; a service: `shared` alone
-    "shared": set(),
-    "experiments": {"shared", "services"},
-    "rollout": {"shared", "services", "experiments"},
-    "analysis": {"shared", "services", "experiments", "rollout"},
-    "reproduction": {"shared", "services", "experiments", "rollout", "analysis"},
-    "tuning": {"shared", "services", "experiments", "rollout"},
-    "battery": {"shared", "services", "experiments", "rollout", "reproduction"},
-    "campaigns": {"shared", "services", "experiments", "rollout"},
-    "qualification": {"shared", "services", "experiments", "rollout"},
-}
-CELLS = ("services.operator.cell", "services.operator.session")  # what who brings up cells takes of the operator, no commands
+def package_of(name):
+    return name.split("/")[0] if "/" in name else ""
 
 
-@pytest.mark.parametrize("name", sorted(SOURCES))
+def test_every_package_has_a_row():
+    assert {package_of(name) for name in SOURCES} - {""} == set(LAYER_OF)
+
+
+@pytest.mark.parametrize("name", sorted(name for name in SOURCES if package_of(name)))
 def test_imports_point_downwards(name):
-    folder, _, rest = name.partition("/")
-    ours = roots(SOURCES[name]) & {*BELOW, "services", "tests"}
-    if folder != "services":
-        assert ours - {folder} <= BELOW[folder]
-        above = {found for found in imports(SOURCES[name]) if found.startswith("services.operator")} - {"services.operator"}
-        assert all(folder in ("battery", "qualification") and found.startswith(CELLS) for found in above)
-    elif not rest.startswith("operator/"):
-        service = rest.split("/")[0]
-        foreign = {found for found in imports(SOURCES[name]) if found.startswith("services.") and found.split(".")[1] != service}
-        assert not foreign
-        assert ours <= {"shared", "services"}
+    package = package_of(name)
+    for found, *_ in ours(name):
+        assert found == package or LAYER_OF[found] < LAYER_OF[package], f"{name} imports hydrohil.{found}"
+
+
+@pytest.mark.parametrize("name", sorted(name for name in SOURCES if name.startswith("services/")))
+def test_a_service_imports_what_is_shared_and_itself(name):
+    service = name.split("/")[1]
+    assert {found[:2] for found in ours(name) if found[0] != "shared"} <= {("services",), ("services", service)}
+
+
+def test_only_some_packages_take_the_services_pure_modules_and_only_the_command_line_their_shells():
+    for name in SOURCES:
+        package = package_of(name)
+        taken = {found for found in ours(name) if found[0] == "services" and len(found) > 2}
+        if package in ("services", "shared", ""):
+            continue
+        shells = {found for found in taken if found[-1] in SHELLS}
+        assert package == "cli" or not shells, name
+        assert package in TAKE_SERVICES or taken == shells, f"{name} takes {taken - shells}"
+
+
+@pytest.mark.parametrize("name", sorted(name for name in SOURCES if name.startswith("shared/") and name != "shared/__init__.py"))
+def test_what_is_shared_has_an_order_too(name):
+    part = name.split("/")[1].removesuffix(".py")
+    for found in ours(name):
+        assert found[0] == "shared"
+        if len(found) > 1:
+            assert SHARED_ORDER.index(found[1]) <= SHARED_ORDER.index(part), f"{name} imports {'.'.join(found)}"
+
+
+def test_no_two_files_need_each_other():
+    arrows = {name: {MODULES["hydrohil." + ".".join(found)] for found in ours(name)} for name in SOURCES}
+    done, circle = set(), []
+
+    def follow(name, way):
+        if name in way:
+            circle.append(" -> ".join([*way[way.index(name) :], name]))
+        elif name not in done:
+            for other in sorted(arrows[name]):
+                follow(other, [*way, name])
+            done.add(name)
+
+    for name in sorted(arrows):
+        follow(name, [])
+    assert not circle
+
+
+def test_nobody_imports_the_command_line():
+    assert not [name for name in SOURCES if package_of(name) not in ("cli", "") and any(f[0] == "cli" for f in ours(name))]
+
+
+def test_the_library_needs_no_terminal():
+    users = [name for name, path in SOURCES.items() if {"typer", "rich", "click"} & roots(path)]
+    assert users
+    assert all(name.startswith("cli/") for name in users)
 
 
 @pytest.mark.parametrize("name", KERNELS)
@@ -112,7 +185,7 @@ def test_what_computes_reads_no_clock_no_socket_and_no_file(name):
 
 
 def test_neither_gate_nor_shell_knows_the_emulator():
-    users = [name for name, path in SOURCES.items() if "services.plant.emulator" in imports(path)]
+    users = [name for name, path in SOURCES.items() if "hydrohil.services.plant.emulator" in imports(path)]
     assert users == ["services/plant/main.py"]
 
 
@@ -126,14 +199,22 @@ def test_only_the_gatekeeper_and_the_end_of_the_process_write_to_the_device():
     assert writers.count("services/plant/service.py") == 1
 
 
-LOOP = ("shared/", "services/plant/", "services/controller/", "services/supervisor/")
+LOOP = (
+    "shared/compiled/",
+    "shared/contract/",
+    "shared/transport/",
+    "shared/host/",
+    "services/plant/",
+    "services/controller/",
+    "services/supervisor/",
+)
 WALL = {"time", "time_ns", "clock_gettime", "clock_gettime_ns", "localtime", "gmtime", "ctime", "now", "utcnow", "today"}
 
 
 def test_the_loop_reads_no_wall_clock():
     """A clock that is stepped by an hour can have no effect on who never reads it."""
     looked = [name for name in SOURCES if name.startswith(LOOP)]
-    assert "shared/bus.py" in looked and "services/plant/service.py" in looked
+    assert "shared/transport/bus.py" in looked and "services/plant/service.py" in looked
     for name in looked:
         assert not {"datetime", "time.time", "time.time_ns"} & imports(SOURCES[name]), name
         for node in ast.walk(tree(SOURCES[name])):

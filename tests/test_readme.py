@@ -12,14 +12,15 @@ import pytest
 import typer.main
 from typer.testing import CliRunner
 
-from experiments.library import find
-from experiments.overrides import with_overrides
-from services.operator.cli import app
-from shared import messages, process
-from shared.codec import WIRE_VERSION, Header, Received, decode, encode
-from shared.endpoints import LISTENERS
-from shared.messages import NO_TRIAL, Command, ControllerState, Sample
-from shared.topics import ANSWER, ASK, BY_KEY, BY_SCHEMA, HERALD, SERVICES, TOPICS, expression
+from hydrohil.cli.main import app
+from hydrohil.experiment.overrides import with_overrides
+from hydrohil.shared.contract import messages
+from hydrohil.shared.contract.codec import WIRE_VERSION, Header, Received, decode, encode
+from hydrohil.shared.contract.messages import NO_TRIAL, Command, ControllerState, Sample
+from hydrohil.shared.contract.topics import ANSWER, ASK, BY_KEY, BY_SCHEMA, HERALD, SERVICES, TOPICS, expression
+from hydrohil.shared.host import process
+from hydrohil.shared.transport.endpoints import LISTENERS
+from hydrohil.thesis.library import find
 
 ROOT = Path(__file__).resolve().parent.parent
 README = (ROOT / "README.md").read_text()

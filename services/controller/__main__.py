@@ -1,7 +1,7 @@
-"""`python -m services.controller`."""
+"""`python -m hydrohil.services.controller`."""
 
 import sys
 
-from services.controller.service import main
+from hydrohil.services.controller.service import main
 
 sys.exit(main())

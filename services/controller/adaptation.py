@@ -13,17 +13,11 @@ presses on the surface, with c xd'. The axes across the gauge's stay as they are
 
 import math
 
-from services.controller.impedance import ImpedanceState, impedance_step
-from services.controller.kinematics import along_axis
-from services.controller.params import (
-    ADAPT_LIMIT_SWITCH,
-    ADAPT_NONE,
-    ADAPT_OFFSET,
-    AdaptationParams,
-    ImpedanceParams,
-)
-from shared.kernel import kernel
-from shared.pose import Triple
+from hydrohil.services.controller.impedance import ImpedanceState, impedance_step
+from hydrohil.services.controller.kinematics import along_axis
+from hydrohil.services.controller.params import ADAPT_LIMIT_SWITCH, ADAPT_NONE, ADAPT_OFFSET, AdaptationParams, ImpedanceParams
+from hydrohil.shared.compiled.kernel import kernel
+from hydrohil.shared.contract.pose import Triple
 
 LEAST_SHARE = 0.1  # of the target stiffness: it leaves a third of the damping, and a spring that brings the model back
 

@@ -6,10 +6,10 @@ The set-point x_s is the acceleration integrated twice, free of any restoring fo
 interval, so the acceleration is constant and the solution exact; a step of x_d is a velocity step c/m dx_d.
 """
 
-from services.controller.impedance import ImpedanceState
-from services.controller.params import ImpedanceParams
-from shared.kernel import kernel
-from shared.pose import Triple
+from hydrohil.services.controller.impedance import ImpedanceState
+from hydrohil.services.controller.params import ImpedanceParams
+from hydrohil.shared.compiled.kernel import kernel
+from hydrohil.shared.contract.pose import Triple
 
 
 @kernel

@@ -7,11 +7,18 @@ import math
 from collections.abc import Iterator
 from functools import lru_cache
 
-from services.controller.config import ControllerConfig, ImpedanceConfig, Reference, Segment, impedance_params, segment_table
-from services.controller.kinematics import clamp_joints, inverse
-from services.controller.reference import CHANNELS, reference_deltas
-from services.controller.surroundings import Surroundings, resting_m
-from shared.pose import UNIMATE_GEOMETRY, Triple, forward
+from hydrohil.services.controller.config import (
+    ControllerConfig,
+    ImpedanceConfig,
+    Reference,
+    Segment,
+    impedance_params,
+    segment_table,
+)
+from hydrohil.services.controller.contact_environment import Surroundings, resting_m
+from hydrohil.services.controller.kinematics import clamp_joints, inverse
+from hydrohil.services.controller.reference import CHANNELS, reference_deltas
+from hydrohil.shared.contract.pose import UNIMATE_GEOMETRY, Triple, forward
 
 READS = {  # channels of a target
     "joint": CHANNELS[:3],

@@ -8,7 +8,7 @@ from typing import Annotated, Literal, NamedTuple
 
 from annotated_types import Ge, Gt, Le, MinLen
 
-from services.controller.params import (
+from hydrohil.services.controller.params import (
     ADAPT_LIMIT_SWITCH,
     ADAPT_NONE,
     ADAPT_OFFSET,
@@ -37,11 +37,11 @@ from services.controller.params import (
     ImpedanceParams,
     LinkGains,
 )
-from services.controller.reference import CHANNELS, KINDS, Row
-from shared.converters import calibration
-from shared.messages import About
-from shared.pose import UNIMATE_GEOMETRY
-from shared.units import A_PER_MA
+from hydrohil.services.controller.reference import CHANNELS, KINDS, Row
+from hydrohil.shared.contract.converters import calibration
+from hydrohil.shared.contract.messages import About
+from hydrohil.shared.contract.pose import UNIMATE_GEOMETRY
+from hydrohil.shared.units import A_PER_MA
 
 LAWS = {
     "pi": LAW_PI,

@@ -14,9 +14,9 @@ takes them; the program averages the measured one alone.
 import math
 from typing import NamedTuple
 
-from services.controller.impedance import decay, respond
-from services.controller.params import ImpedanceParams
-from shared.kernel import kernel
+from hydrohil.services.controller.impedance import decay, respond
+from hydrohil.services.controller.params import ImpedanceParams
+from hydrohil.shared.compiled.kernel import kernel
 
 
 class ExplicitState(NamedTuple):

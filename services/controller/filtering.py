@@ -3,8 +3,8 @@
 import math
 from typing import NamedTuple
 
-from services.controller.impedance import decay, respond
-from shared.kernel import kernel
+from hydrohil.services.controller.impedance import decay, respond
+from hydrohil.shared.compiled.kernel import kernel
 
 BUTTERWORTH = math.sqrt(0.5)  # damping ratio of the second-order low-pass whose pass band is the flattest
 

@@ -7,9 +7,9 @@ A step dx_d of the nominal position kicks the velocity by c/m dx_d = 2 xi wn dx_
 import math
 from typing import NamedTuple
 
-from services.controller.params import ImpedanceParams
-from shared.kernel import kernel
-from shared.pose import Triple
+from hydrohil.services.controller.params import ImpedanceParams
+from hydrohil.shared.compiled.kernel import kernel
+from hydrohil.shared.contract.pose import Triple
 
 CRITICAL = 1e-8  # wd dt below which damping is critical: the three solutions then agree to one part in 1e16
 

@@ -1,12 +1,12 @@
 """Inverse kinematics of the Unimate with its wrist, inside the travel of every link (thesis Appendix A; `xtoq` of Appendix F).
 
-Appendix A prints z and theta_2 with wrong signs; these are the program's, which invert `shared.pose.forward`.
+Appendix A prints z and theta_2 with wrong signs; these are the program's, which invert `hydrohil.shared.contract.pose.forward`.
 """
 
 import math
 
-from shared.kernel import kernel
-from shared.pose import Geometry, Triple, bounded_angle, wrist
+from hydrohil.shared.compiled.kernel import kernel
+from hydrohil.shared.contract.pose import Geometry, Triple, bounded_angle, wrist
 
 CLAMPED_LOW = (1, 4, 16)  # bits of the mask: link 1, 2, 3 at its lower limit
 CLAMPED_HIGH = (2, 8, 32)

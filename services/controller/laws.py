@@ -8,7 +8,7 @@ Positive is down and out. Link 3 reads m for rad.
 
 from typing import NamedTuple
 
-from services.controller.params import (
+from hydrohil.services.controller.params import (
     LAW_DEADBAND,
     LAW_FINAL,
     LAW_HYSTERESIS,
@@ -18,7 +18,7 @@ from services.controller.params import (
     LAW_VETIA,
     LinkGains,
 )
-from shared.kernel import kernel
+from hydrohil.shared.compiled.kernel import kernel
 
 ALPHA_FLOOR = 0.001  # 4.4, alpha at rest as a share of alpha_max
 

@@ -7,9 +7,9 @@ from typing import Annotated, NamedTuple
 
 from annotated_types import Ge, Gt
 
-from shared.converters import COUNTS_PER_A, MAX_CODE, MIN_CODE, Calibration
-from shared.pose import Geometry, Triple
-from shared.units import A_PER_MA, A_PER_RAD_PER_MA_PER_DEG, RAD_PER_DEG
+from hydrohil.shared.contract.converters import COUNTS_PER_A, MAX_CODE, MIN_CODE, Calibration
+from hydrohil.shared.contract.pose import Geometry, Triple
+from hydrohil.shared.units import A_PER_MA, A_PER_RAD_PER_MA_PER_DEG, RAD_PER_DEG
 
 A_PER_COUNT = 1.0 / COUNTS_PER_A  # the program's thresholds are in counts, 2048 of them are 360 mA
 SQUARE_RAD_PER_DEG = RAD_PER_DEG * RAD_PER_DEG

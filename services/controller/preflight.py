@@ -1,8 +1,8 @@
 """What an operator should know of an experiment that may run."""
 
-from services.controller.config import ControllerConfig
-from services.controller.limit_cycle import PROSPECTS, least_stable_n_per_m, prospect
-from services.controller.surroundings import Surroundings
+from hydrohil.services.controller.config import ControllerConfig
+from hydrohil.services.controller.contact_environment import Surroundings
+from hydrohil.services.controller.limit_cycle import PROSPECTS, least_stable_n_per_m, prospect
 
 
 def preflight(config: ControllerConfig, met: Surroundings) -> tuple[str, ...]:

@@ -5,8 +5,8 @@ The closed set of segments that passes TOML, the wire and a foreign controller; 
 
 import math
 
-from shared.kernel import kernel
-from shared.pose import bounded_angle
+from hydrohil.shared.compiled.kernel import kernel
+from hydrohil.shared.contract.pose import bounded_angle
 
 Row = tuple[float, float, float, float, float, float, float, float, float]
 Table = tuple[Row, ...]  # live; a float64 array (n, 9) in a rollout

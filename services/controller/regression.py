@@ -5,9 +5,9 @@ v = sum (t - mean t) (q - q_newest) / sum (t - mean t)^2  with the samples' true
 
 from typing import NamedTuple
 
-from shared.kernel import kernel
-from shared.pose import Triple
-from shared.units import NS_PER_S
+from hydrohil.shared.compiled.kernel import kernel
+from hydrohil.shared.contract.pose import Triple
+from hydrohil.shared.units import NS_PER_S
 
 POINTS = 20  # Appendix B: smooth enough, and short enough to detect stiction quickly
 

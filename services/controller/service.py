@@ -6,26 +6,26 @@ import time
 from collections.abc import Callable
 from typing import Any
 
-from services.controller.changes import Change, handed_over
-from services.controller.checks import check
-from services.controller.config import Changes, ControllerConfig, Reference, controller_params, segment_table
-from services.controller.course import Course, scheduled
-from services.controller.parameters import Loaded, Parameters
-from services.controller.preflight import preflight
-from services.controller.step import control_start, control_step
-from services.controller.surroundings import surroundings
-from shared.bus import Bus, Run
-from shared.codec import Received, encode
-from shared.detour import Passage
-from shared.envelope import Envelope, checked, section, unseal
-from shared.live_faults import LiveFaults
-from shared.messages import NO_TRIAL, About, Command, GateState, Passed, Sample
-from shared.process import options_of, parser, serve
-from shared.realtime import follow, unhurried
-from shared.reception import due, reception, told
-from shared.requests import Request
-from shared.turns import Turns
-from shared.units import SUBSTEP_NS
+from hydrohil.services.controller.checks import check
+from hydrohil.services.controller.config import Changes, ControllerConfig, Reference, controller_params, segment_table
+from hydrohil.services.controller.contact_environment import surroundings
+from hydrohil.services.controller.live_parameters import Loaded, Parameters
+from hydrohil.services.controller.parameter_change import Change, handed_over
+from hydrohil.services.controller.parameter_schedule import Course, scheduled
+from hydrohil.services.controller.preflight import preflight
+from hydrohil.services.controller.step import control_start, control_step
+from hydrohil.shared.contract.codec import Received, encode
+from hydrohil.shared.contract.envelope import Envelope, checked, section, unseal
+from hydrohil.shared.contract.messages import NO_TRIAL, About, Command, GateState, Passed, Sample
+from hydrohil.shared.host.process import options_of, parser, serve
+from hydrohil.shared.host.realtime import follow, unhurried
+from hydrohil.shared.transport.bus import Bus, Run
+from hydrohil.shared.transport.impairment_queue import Passage
+from hydrohil.shared.transport.link_stats import due, reception, told
+from hydrohil.shared.transport.live_faults import LiveFaults
+from hydrohil.shared.transport.requests import Request
+from hydrohil.shared.transport.step_lock import Turns
+from hydrohil.shared.units import SUBSTEP_NS
 
 IDLE = ControllerConfig(target="joint")
 _WAKE_S, _EXAMINING_S = 0.1, 0.002

@@ -2,19 +2,25 @@
 
 from typing import NamedTuple
 
-from services.controller.adaptation import adapted_step
-from services.controller.alternate import measured_step
-from services.controller.apparent import Withheld, withhold
-from services.controller.explicit import ExplicitState, explicit_step
-from services.controller.impedance import ImpedanceState
-from services.controller.kinematics import along_axis, clamp_joints, inverse, tip_velocity
-from services.controller.params import FORMULATION_MEASURED, TARGET_EXPLICIT, TARGET_IMPEDANCE, TARGET_JOINT, ControllerParams
-from services.controller.reference import Deltas, Table, reference_deltas
-from services.controller.regression import POINTS
-from services.controller.trial import Trial
-from shared.kernel import kernel
-from shared.messages import NO_TRIAL
-from shared.pose import Triple, forward
+from hydrohil.services.controller.adaptation import adapted_step
+from hydrohil.services.controller.alternate import measured_step
+from hydrohil.services.controller.explicit import ExplicitState, explicit_step
+from hydrohil.services.controller.impedance import ImpedanceState
+from hydrohil.services.controller.kinematics import along_axis, clamp_joints, inverse, tip_velocity
+from hydrohil.services.controller.params import (
+    FORMULATION_MEASURED,
+    TARGET_EXPLICIT,
+    TARGET_IMPEDANCE,
+    TARGET_JOINT,
+    ControllerParams,
+)
+from hydrohil.services.controller.reference import Deltas, Table, reference_deltas
+from hydrohil.services.controller.regression import POINTS
+from hydrohil.services.controller.setpoint_scaling import Withheld, withhold
+from hydrohil.services.controller.trial import Trial
+from hydrohil.shared.compiled.kernel import kernel
+from hydrohil.shared.contract.messages import NO_TRIAL
+from hydrohil.shared.contract.pose import Triple, forward
 
 READY_COUNTS = 2.0 + 1e-6  # the reference may start two counts from the pose; the rest is rounding
 

@@ -7,22 +7,22 @@ The law runs at tick 0, whose sample cannot yet report the gate that this very a
 import math
 from typing import NamedTuple
 
-from services.controller.apparent import Withheld
-from services.controller.explicit import FILTERS_AT_REST, ExplicitState
-from services.controller.filtering import Filtered, filter_step
-from services.controller.impedance import ImpedanceState, mean_of_three, rest
-from services.controller.kinematics import joint_loads
-from services.controller.laws import AT_REST, LinkLawState, law_step, load_feedforward, take_over
-from services.controller.params import ControllerParams, LinkGains
-from services.controller.reference import Table, reference_deltas
-from services.controller.regression import Window, filled_window, push, velocities
-from services.controller.setpoint import Demand, Seen, demand, judge_ready, nominal_joints
-from services.controller.trial import Trial, advance, follows, runs
-from shared.converters import ZERO_CODE, code_to_current, current_to_code
-from shared.kernel import kernel
-from shared.messages import NO_TRIAL, ControllerState, GateState, Sample
-from shared.pose import Triple, forward, joint_positions
-from shared.units import NS_PER_S
+from hydrohil.services.controller.explicit import FILTERS_AT_REST, ExplicitState
+from hydrohil.services.controller.filtering import Filtered, filter_step
+from hydrohil.services.controller.impedance import ImpedanceState, mean_of_three, rest
+from hydrohil.services.controller.kinematics import joint_loads
+from hydrohil.services.controller.laws import AT_REST, LinkLawState, law_step, load_feedforward, take_over
+from hydrohil.services.controller.params import ControllerParams, LinkGains
+from hydrohil.services.controller.reference import Table, reference_deltas
+from hydrohil.services.controller.regression import Window, filled_window, push, velocities
+from hydrohil.services.controller.setpoint import Demand, Seen, demand, judge_ready, nominal_joints
+from hydrohil.services.controller.setpoint_scaling import Withheld
+from hydrohil.services.controller.trial import Trial, advance, follows, runs
+from hydrohil.shared.compiled.kernel import kernel
+from hydrohil.shared.contract.converters import ZERO_CODE, code_to_current, current_to_code
+from hydrohil.shared.contract.messages import NO_TRIAL, ControllerState, GateState, Sample
+from hydrohil.shared.contract.pose import Triple, forward, joint_positions
+from hydrohil.shared.units import NS_PER_S
 
 GATE_RECOVERING = int(GateState.RECOVERING)
 BEFORE_START_S = -1.0  # reference time outside a trial: no segment has begun

@@ -2,10 +2,10 @@
 
 from typing import NamedTuple
 
-from services.controller.regression import POINTS
-from shared.kernel import kernel
-from shared.messages import NO_TRIAL, GateState, Sample
-from shared.pose import Triple
+from hydrohil.services.controller.regression import POINTS
+from hydrohil.shared.compiled.kernel import kernel
+from hydrohil.shared.contract.messages import NO_TRIAL, GateState, Sample
+from hydrohil.shared.contract.pose import Triple
 
 GATE_SHUT, GATE_OPEN = int(GateState.SHUT), int(GateState.OPEN)
 

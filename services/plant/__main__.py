@@ -1,7 +1,7 @@
-"""`python -m services.plant`."""
+"""`python -m hydrohil.services.plant`."""
 
 import sys
 
-from services.plant.main import main
+from hydrohil.services.plant.main import main
 
 sys.exit(main())

@@ -4,9 +4,9 @@ from typing import Annotated, NamedTuple
 
 from annotated_types import Ge, Gt, Interval
 
-from services.plant.params import UNIMATE, Environment, MachineParams
-from shared.protection import FAULTS_PER_S
-from shared.units import NS_PER_S, RAD_PER_DEG, SUBSTEP_NS
+from hydrohil.services.plant.params import UNIMATE, Environment, MachineParams
+from hydrohil.shared.transport.protection import FAULTS_PER_S
+from hydrohil.shared.units import NS_PER_S, RAD_PER_DEG, SUBSTEP_NS
 
 _LATCH_LIMIT_SUBSTEPS = 80  # 4 ms: the thesis' program wrote its outputs about 4 ms after reading the encoders
 

@@ -6,10 +6,10 @@ it lets go, it relaxes by itself, and it meets the surface again where its end t
 
 from typing import NamedTuple
 
-from services.plant.friction import slide
-from services.plant.mechanism import Triple
-from services.plant.params import FREE, PLATE, ContactParams, MachineParams
-from shared.kernel import kernel
+from hydrohil.services.plant.friction import slide
+from hydrohil.services.plant.mechanism import Triple
+from hydrohil.services.plant.params import FREE, PLATE, ContactParams, MachineParams
+from hydrohil.shared.compiled.kernel import kernel
 
 
 class ContactState(NamedTuple):

@@ -2,9 +2,9 @@
 
 from typing import NamedTuple, Protocol
 
-from services.plant.config import PlantConfig
-from shared.faults import Fault
-from shared.messages import NO_TRIAL, LinkCounts, Truth
+from hydrohil.services.plant.config import PlantConfig
+from hydrohil.shared.contract.faults import Fault
+from hydrohil.shared.contract.messages import NO_TRIAL, LinkCounts, Truth
 
 Faults = tuple[Fault, ...]
 

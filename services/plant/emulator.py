@@ -2,21 +2,21 @@
 
 from typing import Any
 
-from services.plant.config import PlantConfig
-from services.plant.device import Faults, Reading, Timeline
-from services.plant.faults import Held, Row
-from services.plant.faulty_actuators import faulty_codes, faulty_machine
-from services.plant.faulty_sensors import faulty_sense
-from services.plant.injection import Injection, clock
-from services.plant.machine import MachineState, advance_resident, machine_start, sense, truth
-from services.plant.noise import force_noise_n
-from services.plant.params import contact_params
-from shared.converters import ZERO_CODE
-from shared.faults import Fault, of_group
-from shared.kernel import compiled
-from shared.messages import NO_TRIAL, LinkCounts, Truth
-from shared.resident import resident
-from shared.units import SUBSTEP_NS
+from hydrohil.services.plant.config import PlantConfig
+from hydrohil.services.plant.device import Faults, Reading, Timeline
+from hydrohil.services.plant.faults import Held, Row
+from hydrohil.services.plant.faulty_actuators import faulty_codes, faulty_machine
+from hydrohil.services.plant.faulty_sensors import faulty_sense
+from hydrohil.services.plant.injection import Injection, clock
+from hydrohil.services.plant.machine import MachineState, advance_resident, machine_start, sense, truth
+from hydrohil.services.plant.noise import force_noise_n
+from hydrohil.services.plant.params import contact_params
+from hydrohil.shared.compiled.compiled_value import resident
+from hydrohil.shared.compiled.kernel import compiled
+from hydrohil.shared.contract.converters import ZERO_CODE
+from hydrohil.shared.contract.faults import Fault, of_group
+from hydrohil.shared.contract.messages import NO_TRIAL, LinkCounts, Truth
+from hydrohil.shared.units import SUBSTEP_NS
 
 _IDLE_NOISE_TICKS = 4096  # outside a trial the noise repeats after this many samples
 _ZERO: LinkCounts = (ZERO_CODE, ZERO_CODE, ZERO_CODE)

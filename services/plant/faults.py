@@ -7,10 +7,10 @@ one left. What is random is a function of (seed, channel, tick).
 import math
 from typing import Any, NamedTuple
 
-from services.plant.noise import uniforms
-from shared.faults import CONVERTERS, ENCODERS, FORCE, VALVES, Fault, ticks_of
-from shared.kernel import kernel
-from shared.units import NS_PER_S
+from hydrohil.services.plant.noise import uniforms
+from hydrohil.shared.compiled.kernel import kernel
+from hydrohil.shared.contract.faults import CONVERTERS, ENCODERS, FORCE, VALVES, Fault, ticks_of
+from hydrohil.shared.units import NS_PER_S
 
 STUCK, GARBAGE, DROPOUT, OFFSET, DRIFT, GAIN, NOISE, WRAP, SPOOL, LEAK, CONVERTER, SUPPLY = range(12)
 ACTION, CHANNEL, FIRST, END, VALUE, SALT = range(6)

@@ -3,10 +3,10 @@
 import math
 from typing import Any
 
-from services.plant.faults import ACTION, CHANNEL, CONVERTER, LEAK, SPOOL, SUPPLY, VALUE, acts, put
-from services.plant.params import LinkParams, MachineParams
-from shared.kernel import kernel
-from shared.messages import LinkCounts
+from hydrohil.services.plant.faults import ACTION, CHANNEL, CONVERTER, LEAK, SPOOL, SUPPLY, VALUE, acts, put
+from hydrohil.services.plant.params import LinkParams, MachineParams
+from hydrohil.shared.compiled.kernel import kernel
+from hydrohil.shared.contract.messages import LinkCounts
 
 _LEAK_AT = LinkParams._fields.index("cross_leak_m3_per_s_pa")
 _LAG_AT = LinkParams._fields.index("valve_lag_s")

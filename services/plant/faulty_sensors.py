@@ -7,7 +7,7 @@ or missing lies after the converter. Truth stays true.
 import math
 from typing import Any
 
-from services.plant.faults import (
+from hydrohil.services.plant.faults import (
     ACTION,
     CHANNEL,
     DRIFT,
@@ -27,11 +27,11 @@ from services.plant.faults import (
     drawn,
     put,
 )
-from services.plant.machine import MachineState, contact_force
-from services.plant.params import ContactParams, MachineParams
-from services.plant.sensors import MASK, amplified_counts, encoder_counts, gauge_n
-from shared.converters import MAX_FORCE_COUNTS, MIN_FORCE_COUNTS
-from shared.kernel import kernel
+from hydrohil.services.plant.machine import MachineState, contact_force
+from hydrohil.services.plant.params import ContactParams, MachineParams
+from hydrohil.services.plant.sensors import MASK, amplified_counts, encoder_counts, gauge_n
+from hydrohil.shared.compiled.kernel import kernel
+from hydrohil.shared.contract.converters import MAX_FORCE_COUNTS, MIN_FORCE_COUNTS
 
 FORCE_CODES = MAX_FORCE_COUNTS - MIN_FORCE_COUNTS + 1
 

@@ -2,8 +2,8 @@
 
 import math
 
-from services.plant.params import LinkParams
-from shared.kernel import kernel
+from hydrohil.services.plant.params import LinkParams
+from hydrohil.shared.compiled.kernel import kernel
 
 
 @kernel

@@ -6,10 +6,10 @@ Every condition states what must hold, so that an unknown value shuts.
 
 from typing import NamedTuple
 
-from services.plant.config import GateLimits
-from shared.converters import ZERO_CODE
-from shared.kernel import kernel
-from shared.messages import NO_COMMAND, GateCause, GateState, LinkCounts, Mode
+from hydrohil.services.plant.config import GateLimits
+from hydrohil.shared.compiled.kernel import kernel
+from hydrohil.shared.contract.converters import ZERO_CODE
+from hydrohil.shared.contract.messages import NO_COMMAND, GateCause, GateState, LinkCounts, Mode
 
 SHUT, OPEN, BURNED, RECOVERING = map(int, GateState)
 (

@@ -2,22 +2,22 @@
 
 from collections.abc import Callable, Iterator
 
-from services.plant.config import GateLimits
-from services.plant.counters import Counters
-from services.plant.device import Device, Timeline
-from services.plant.gate import GateInput, GateMemory, gate_step
-from services.plant.ledger import Ledger
-from services.plant.mailbox import Mailbox
-from services.plant.numbers import numbers
-from shared.bus import Bus, same_run
-from shared.codec import Received
-from shared.converters import N_PER_FORCE_COUNT
-from shared.detour import FOREVER_NS
-from shared.inbox import Inbox
-from shared.messages import NO_COMMAND, NO_TRIAL, GateCause, GateEvent
-from shared.protection import worst
-from shared.reception import reception
-from shared.units import SUBSTEP_NS
+from hydrohil.services.plant.cause_values import numbers
+from hydrohil.services.plant.config import GateLimits
+from hydrohil.services.plant.counters import Counters
+from hydrohil.services.plant.device import Device, Timeline
+from hydrohil.services.plant.gate import GateInput, GateMemory, gate_step
+from hydrohil.services.plant.ledger import Ledger
+from hydrohil.services.plant.mailbox import Mailbox
+from hydrohil.shared.contract.codec import Received
+from hydrohil.shared.contract.converters import N_PER_FORCE_COUNT
+from hydrohil.shared.contract.messages import NO_COMMAND, NO_TRIAL, GateCause, GateEvent
+from hydrohil.shared.transport.bus import Bus, same_run
+from hydrohil.shared.transport.impairment_queue import FOREVER_NS
+from hydrohil.shared.transport.inbox import Inbox
+from hydrohil.shared.transport.link_stats import reception
+from hydrohil.shared.transport.protection import worst
+from hydrohil.shared.units import SUBSTEP_NS
 
 
 class Gatekeeper:

@@ -3,8 +3,8 @@
 import math
 from typing import NamedTuple
 
-from services.plant.params import LinkParams
-from shared.kernel import kernel
+from hydrohil.services.plant.params import LinkParams
+from hydrohil.shared.compiled.kernel import kernel
 
 
 class LinkState(NamedTuple):

@@ -1,9 +1,9 @@
 """Which faults of the machine act at a sample: a trial's by its ticks, those injected by hand by the plant's own samples."""
 
-from services.plant.device import Faults
-from services.plant.faults import END, FIRST, Row, fault_row
-from shared.faults import Fault
-from shared.messages import NO_COMMAND, NO_TRIAL
+from hydrohil.services.plant.device import Faults
+from hydrohil.services.plant.faults import END, FIRST, Row, fault_row
+from hydrohil.shared.contract.faults import Fault
+from hydrohil.shared.contract.messages import NO_COMMAND, NO_TRIAL
 
 
 class Injection:

@@ -2,16 +2,25 @@
 
 from typing import Any, NamedTuple
 
-from services.plant.contact import ContactState, contact_start, contact_step
-from services.plant.friction import friction_limit, slide
-from services.plant.hydraulics import LinkState, chamber_step, port_area, port_flows, spool_step
-from services.plant.mechanism import Triple, gravity_loads, inertias, motion_loads, posture, posture_after, tip, tip_loads
-from services.plant.params import AXIS_X, ContactParams, LinkParams, MachineParams
-from services.plant.sensors import encoder_counts, gauge_counts
-from shared.converters import code_to_current
-from shared.kernel import kernel
-from shared.messages import LinkCounts, Truth
-from shared.units import SUBSTEP_S
+from hydrohil.services.plant.contact import ContactState, contact_start, contact_step
+from hydrohil.services.plant.friction import friction_limit, slide
+from hydrohil.services.plant.hydraulics import LinkState, chamber_step, port_area, port_flows, spool_step
+from hydrohil.services.plant.mechanism import (
+    Triple,
+    gravity_loads,
+    inertias,
+    motion_loads,
+    posture,
+    posture_after,
+    tip,
+    tip_loads,
+)
+from hydrohil.services.plant.params import AXIS_X, ContactParams, LinkParams, MachineParams
+from hydrohil.services.plant.sensors import encoder_counts, gauge_counts
+from hydrohil.shared.compiled.kernel import kernel
+from hydrohil.shared.contract.converters import code_to_current
+from hydrohil.shared.contract.messages import LinkCounts, Truth
+from hydrohil.shared.units import SUBSTEP_S
 
 
 class MachineState(NamedTuple):

@@ -1,10 +1,10 @@
 """The newest valid permit and command, with their ages by this plant's ledger."""
 
-from services.plant.gate import NO_COMMAND_SEEN, NO_PERMIT_SEEN, CommandSeen, PermitSeen
-from services.plant.ledger import Ledger
-from shared.bus import Run, same_run
-from shared.codec import Received
-from shared.messages import NO_COMMAND
+from hydrohil.services.plant.gate import NO_COMMAND_SEEN, NO_PERMIT_SEEN, CommandSeen, PermitSeen
+from hydrohil.services.plant.ledger import Ledger
+from hydrohil.shared.contract.codec import Received
+from hydrohil.shared.contract.messages import NO_COMMAND
+from hydrohil.shared.transport.bus import Run, same_run
 
 
 class Mailbox:

@@ -6,12 +6,12 @@ The host is measured from the first moment on, so what takes long to import is i
 import sys
 from collections.abc import Callable
 
-from services.plant.config import GateLimits
-from services.plant.lease import MAX_LEASE_NS, MEASURED_S, LeaseChoice
-from services.plant.wakeups import Probe
-from shared.bus import Bus
-from shared.process import EXIT_TRANSPORT, Options, options_of, parser, serve
-from shared.units import SUBSTEP_NS
+from hydrohil.services.plant.config import GateLimits
+from hydrohil.shared.host.lease import MAX_LEASE_NS, MEASURED_S, LeaseChoice
+from hydrohil.shared.host.process import EXIT_TRANSPORT, Options, options_of, parser, serve
+from hydrohil.shared.host.wakeups import Probe
+from hydrohil.shared.transport.bus import Bus
+from hydrohil.shared.units import SUBSTEP_NS
 
 _NS_PER_MS = 1_000_000
 GAUGE_RANGE_N = 700.0
@@ -42,9 +42,9 @@ def main(arguments: list[str] | None = None) -> int:
 
 def _serve(options: Options, limits: GateLimits, lease: LeaseChoice, *, heralds: bool) -> int:
     """Compile, open the transport, and run; returns the exit status."""
-    from services.plant.device import Timeline
-    from services.plant.emulator import Emulator
-    from services.plant.service import PeerSilentError, Plant
+    from hydrohil.services.plant.device import Timeline
+    from hydrohil.services.plant.emulator import Emulator
+    from hydrohil.services.plant.service import PeerSilentError, Plant
 
     timeline = Timeline()
     emulator = Emulator(timeline, limits.permit_ttl_ns // SUBSTEP_NS)

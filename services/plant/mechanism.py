@@ -6,9 +6,9 @@ x forward, z up; q1 turns, q2 is positive DOWN, q3 positive OUT.
 import math
 from typing import NamedTuple
 
-from services.plant.params import MachineParams
-from shared.kernel import kernel
-from shared.units import GRAVITY_M_PER_S2
+from hydrohil.services.plant.params import MachineParams
+from hydrohil.shared.compiled.kernel import kernel
+from hydrohil.shared.units import GRAVITY_M_PER_S2
 
 Triple = tuple[float, float, float]
 

@@ -8,7 +8,7 @@ from typing import Annotated, Literal, NamedTuple
 
 from annotated_types import Ge, Gt, Le, Lt
 
-from shared.units import A_PER_MA, GRAVITY_M_PER_S2, RAD_PER_DEG
+from hydrohil.shared.units import A_PER_MA, GRAVITY_M_PER_S2, RAD_PER_DEG
 
 PA_PER_KPA = 1e3
 PA_PER_MPA = 1e6

@@ -4,20 +4,20 @@ import gc
 import os
 from typing import TYPE_CHECKING, Any
 
-from services.plant.about import about
-from services.plant.config import PlantConfig
-from services.plant.trial import Schedule
-from shared.bus import Run
-from shared.envelope import one_fault, section, unseal
-from shared.faults import MOST_FAULTS, Fault, problem, row_of, ticks_of
-from shared.messages import NO_TRIAL, GateCause
-from shared.realtime import follow, unhurried
-from shared.reception import told
-from shared.requests import Request
-from shared.units import SUBSTEP_NS
+from hydrohil.services.plant.config import PlantConfig
+from hydrohil.services.plant.plant_description import about
+from hydrohil.services.plant.trial import Schedule
+from hydrohil.shared.contract.envelope import one_fault, section, unseal
+from hydrohil.shared.contract.faults import MOST_FAULTS, Fault, problem, row_of, ticks_of
+from hydrohil.shared.contract.messages import NO_TRIAL, GateCause
+from hydrohil.shared.host.realtime import follow, unhurried
+from hydrohil.shared.transport.bus import Run
+from hydrohil.shared.transport.link_stats import told
+from hydrohil.shared.transport.requests import Request
+from hydrohil.shared.units import SUBSTEP_NS
 
 if TYPE_CHECKING:
-    from services.plant.service import Plant
+    from hydrohil.services.plant.service import Plant
 
 
 def answer(plant: "Plant", request: Request) -> None:

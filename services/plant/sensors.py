@@ -2,9 +2,9 @@
 
 import math
 
-from services.plant.params import MachineParams
-from shared.converters import MAX_FORCE_COUNTS, MIN_FORCE_COUNTS, UNIMATE_ENCODERS, UNIMATE_FORCE
-from shared.kernel import kernel
+from hydrohil.services.plant.params import MachineParams
+from hydrohil.shared.compiled.kernel import kernel
+from hydrohil.shared.contract.converters import MAX_FORCE_COUNTS, MIN_FORCE_COUNTS, UNIMATE_ENCODERS, UNIMATE_FORCE
 
 SCALE = tuple(channel.scale for channel in UNIMATE_ENCODERS)
 OFFSET = tuple(channel.offset for channel in UNIMATE_ENCODERS)

@@ -5,23 +5,23 @@ from collections import Counter
 from collections.abc import Callable
 from typing import Any
 
-from services.plant.about import about
-from services.plant.config import GateLimits, PlantConfig
-from services.plant.counters import Counters
-from services.plant.device import Device, Faults, Timeline
-from services.plant.gatekeeper import Gatekeeper
-from services.plant.heralds import Heralds
-from services.plant.lease import UNCHOSEN, LeaseChoice
-from services.plant.requests import answer
-from services.plant.trial import Schedule
-from shared.bus import Bus
-from shared.clock import SLACK_NS, Grid
-from shared.codec import Received
-from shared.converters import ZERO_CODE
-from shared.live_faults import LiveFaults
-from shared.messages import NO_TRIAL, FaultEvent, GateState, Mode, Sample, Truth
-from shared.reception import due
-from shared.units import SUBSTEP_NS
+from hydrohil.services.plant.config import GateLimits, PlantConfig
+from hydrohil.services.plant.counters import Counters
+from hydrohil.services.plant.device import Device, Faults, Timeline
+from hydrohil.services.plant.gatekeeper import Gatekeeper
+from hydrohil.services.plant.plant_description import about
+from hydrohil.services.plant.requests import answer
+from hydrohil.services.plant.trial import Schedule
+from hydrohil.services.plant.warmup import Heralds
+from hydrohil.shared.contract.codec import Received
+from hydrohil.shared.contract.converters import ZERO_CODE
+from hydrohil.shared.contract.messages import NO_TRIAL, FaultEvent, GateState, Mode, Sample, Truth
+from hydrohil.shared.host.clock import SLACK_NS, Grid
+from hydrohil.shared.host.lease import UNCHOSEN, LeaseChoice
+from hydrohil.shared.transport.bus import Bus
+from hydrohil.shared.transport.link_stats import due
+from hydrohil.shared.transport.live_faults import LiveFaults
+from hydrohil.shared.units import SUBSTEP_NS
 
 LOCKSTEP_TIMEOUT_S = 5.0
 ABOUT_EVERY = 100  # samples: for those who join late

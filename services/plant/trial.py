@@ -1,11 +1,11 @@
 """When a trial's samples are due: the first sample is announced in advance, jitter is drawn, ticks are counted."""
 
-from services.plant.config import PlantConfig, bias_ticks, latch_substeps
-from services.plant.noise import sample_intervals
-from shared.envelope import Envelope, faults
-from shared.faults import Fault
-from shared.messages import NO_COMMAND, NO_TRIAL
-from shared.units import SUBSTEP_NS
+from hydrohil.services.plant.config import PlantConfig, bias_ticks, latch_substeps
+from hydrohil.services.plant.noise import sample_intervals
+from hydrohil.shared.contract.envelope import Envelope, faults
+from hydrohil.shared.contract.faults import Fault
+from hydrohil.shared.contract.messages import NO_COMMAND, NO_TRIAL
+from hydrohil.shared.units import SUBSTEP_NS
 
 
 class Schedule:

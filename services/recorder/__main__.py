@@ -1,7 +1,7 @@
-"""`python -m services.recorder`."""
+"""`python -m hydrohil.services.recorder`."""
 
 import sys
 
-from services.recorder.service import main
+from hydrohil.services.recorder.service import main
 
 sys.exit(main())

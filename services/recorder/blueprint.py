@@ -5,10 +5,10 @@ from typing import Any
 import rerun as rr
 import rerun.blueprint as rrb
 
-from services.recorder import scene
-from services.recorder.drawing import ROOT, SAMPLE, TRIAL_TIME
-from services.recorder.lanes import lanes
-from shared.messages import ControllerState, Permit, Sample, Truth
+from hydrohil.services.recorder import scene
+from hydrohil.services.recorder.drawing import ROOT, SAMPLE, TRIAL_TIME
+from hydrohil.services.recorder.state_timeline import lanes
+from hydrohil.shared.contract.messages import ControllerState, Permit, Sample, Truth
 
 TRAIL_S = 3.0
 LIVE_WINDOW_SAMPLES = 2500  # about 11 s at 222 Hz

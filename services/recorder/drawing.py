@@ -7,9 +7,9 @@ from typing import Any, NamedTuple
 import rerun as rr
 from rerun.urdf import UrdfTree
 
-from services.recorder import scene
-from services.recorder.rows import Rows, Times
-from services.recorder.style import log_styles
+from hydrohil.services.recorder import scene
+from hydrohil.services.recorder.rows import Rows, Times
+from hydrohil.services.recorder.style import log_styles
 
 URDF = Path(__file__).with_name("arm.urdf")
 ROOT = "base"  # the robot's root frame: everything in the scene is drawn in it

@@ -8,10 +8,10 @@ from types import TracebackType
 
 import rerun as rr
 
-from services.recorder.blueprint import layout
-from services.recorder.drawing import Drawn, log_standing, send
-from services.recorder.recording import APPLICATION
-from services.recorder.scene import DEFAULT_AXIS
+from hydrohil.services.recorder.blueprint import layout
+from hydrohil.services.recorder.drawing import Drawn, log_standing, send
+from hydrohil.services.recorder.recording import APPLICATION
+from hydrohil.services.recorder.scene import DEFAULT_AXIS
 
 KEPT_BATCHES = 2048  # about 3 s of every entity at 1 kHz; the oldest go first
 SERVER_MEMORY = "256MiB"  # what a viewer that comes late still gets

@@ -7,19 +7,19 @@ from operator import attrgetter
 from pathlib import Path
 from typing import Any, NamedTuple, Protocol
 
-from services.recorder.drawing import Drawn, draw
-from services.recorder.events import Event, gap_event, is_told, rejected_event
-from services.recorder.gaps import Counted, Sequence, count, since, unbroken
-from services.recorder.recording import Recording
-from services.recorder.rows import Rows
-from services.recorder.scene import machine
-from services.recorder.trip_words import markdown
-from services.recorder.trips import Trips
-from services.recorder.writer import Writer
-from shared.codec import Received, Rejected
-from shared.messages import About
-from shared.qualified import UNKNOWN, Standing, plain
-from shared.units import NS_PER_S
+from hydrohil.services.recorder.drawing import Drawn, draw
+from hydrohil.services.recorder.recording import Recording
+from hydrohil.services.recorder.rows import Rows
+from hydrohil.services.recorder.scene import machine
+from hydrohil.services.recorder.writer import Writer
+from hydrohil.shared.contract.codec import Received, Rejected
+from hydrohil.shared.contract.messages import About
+from hydrohil.shared.host.qualified import UNKNOWN, Standing, plain
+from hydrohil.shared.trips.events import Event, gap_event, is_told, rejected_event
+from hydrohil.shared.trips.formatting import markdown
+from hydrohil.shared.trips.gaps import Counted, Sequence, count, since, unbroken
+from hydrohil.shared.trips.watcher import Trips
+from hydrohil.shared.units import NS_PER_S
 
 FLUSH_NS = NS_PER_S  # what a batch holds, and what a kill loses
 FLUSH_LIVE_NS = 225_000_000  # where somebody looks on; more chunks, so that a file of the recording is shorter

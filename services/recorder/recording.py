@@ -8,11 +8,11 @@ from types import TracebackType
 
 import rerun as rr
 
-from services.recorder.blueprint import layout
-from services.recorder.drawing import Drawn, draw, log_standing, send
-from services.recorder.parts import part, parts_of
-from services.recorder.rows import Rows
-from services.recorder.scene import DEFAULT_AXIS
+from hydrohil.services.recorder.blueprint import layout
+from hydrohil.services.recorder.drawing import Drawn, draw, log_standing, send
+from hydrohil.services.recorder.rows import Rows
+from hydrohil.services.recorder.scene import DEFAULT_AXIS
+from hydrohil.shared.contract.file_parts import part, parts_of
 
 APPLICATION = "hydrohil"
 SUFFIX = ".rrd"

@@ -5,7 +5,7 @@ from typing import Any, Literal, NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from services.recorder.places import Place
+from hydrohil.services.recorder.sample_index import Place
 
 Kind = Literal["scalars", "names", "state", "text", "joint", "points", "arrows", "document"]
 

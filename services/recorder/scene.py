@@ -5,10 +5,10 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from services.recorder.columns import Matrix
-from services.recorder.rows import Rows, Times, only
-from shared.converters import UNIMATE_ENCODERS
-from shared.messages import About, Channel
+from hydrohil.services.recorder.rows import Rows, Times, only
+from hydrohil.shared.contract.columns import Matrix
+from hydrohil.shared.contract.converters import UNIMATE_ENCODERS
+from hydrohil.shared.contract.messages import About, Channel
 
 SCENE_PERIOD_NS = 20_000_000  # 50 poses a second are smooth to the eye
 ARROW_M_PER_N = 0.0015  # 100 N are 0.15 m

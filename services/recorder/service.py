@@ -10,16 +10,16 @@ from contextlib import ExitStack
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
-from shared.bus import Bus, BusError
-from shared.inbox import Inbox
-from shared.process import EXIT_OK, EXIT_TRANSPORT, Options, await_router, draw_number, options_of, parser
-from shared.qualified import of_plain, standing
-from shared.realtime import die_with_parent, interrupt_nobody
-from shared.requests import Request
-from shared.topics import TOPICS
+from hydrohil.shared.contract.topics import TOPICS
+from hydrohil.shared.host.process import EXIT_OK, EXIT_TRANSPORT, Options, await_router, draw_number, options_of, parser
+from hydrohil.shared.host.qualified import of_plain, standing
+from hydrohil.shared.host.realtime import die_with_parent, interrupt_nobody
+from hydrohil.shared.transport.bus import Bus, BusError
+from hydrohil.shared.transport.inbox import Inbox
+from hydrohil.shared.transport.requests import Request
 
 if TYPE_CHECKING:
-    from services.recorder.recorder import Recorder
+    from hydrohil.services.recorder.recorder import Recorder
 
 DEPTH = 8192  # 8 s at 1 kHz: a slow disk fills the recorder's ring, not the others'
 COLLECTED = (50_000, 20, 20)  # seldom: the seconds that are kept for a trip hold no cycles, and looking through them costs
@@ -51,8 +51,8 @@ def record(
     options: Options, folder: Path, rrd: Path | None = None, live_port: int | None = None, trips: Path | None = None
 ) -> None:
     """Record until SIGINT, SIGTERM or SIGHUP. With `rrd` from the start into that file, else between `record` and `finish`."""
-    from services.recorder.live import Live  # here: rerun takes 0.4 s to import
-    from services.recorder.recorder import Recorder
+    from hydrohil.services.recorder.live import Live
+    from hydrohil.services.recorder.recorder import Recorder
 
     stop = _stop_on_signals()
     gc.set_threshold(*COLLECTED)

@@ -5,10 +5,10 @@ from typing import NamedTuple
 import numpy as np
 import rerun as rr
 
-from services.recorder.columns import Figure, figures
-from services.recorder.lanes import LANES
-from shared.converters import UNIMATE_CONVERTERS
-from shared.messages import Channel, ControllerState, Permit, Sample, Truth
+from hydrohil.services.recorder.state_timeline import LANES
+from hydrohil.shared.contract.columns import Figure, figures
+from hydrohil.shared.contract.converters import UNIMATE_CONVERTERS
+from hydrohil.shared.contract.messages import Channel, ControllerState, Permit, Sample, Truth
 
 ROTATE, DOWN_UP, OUT_IN = 0x5B9BFFFF, 0x4FC878FF, 0xFFA24AFF
 MEASURED, MEAN, SET, NOMINAL, LIMIT = 0x4C78A8FF, 0x62D0FFFF, 0xF2F2F2FF, 0x9A8CFFFF, 0xE05050FF

@@ -5,24 +5,14 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
-from services.recorder import scene
-from services.recorder.columns import MS, Matrix, column_names, figure_values, figures, flat_rows
-from services.recorder.events import (
-    COUNT_NAMES,
-    Event,
-    fault_event,
-    gate_event,
-    late_event,
-    parameter_event,
-    permit_events,
-    reception_event,
-)
-from services.recorder.lanes import changes, lanes
-from services.recorder.places import Place, Places, sample_numbers
-from services.recorder.rows import Rows, Times, alike, only, times_of
-from shared.codec import Received
-from shared.converters import UNIMATE_CONVERTERS
-from shared.messages import (
+from hydrohil.services.recorder import scene
+from hydrohil.services.recorder.rows import Rows, Times, alike, only, times_of
+from hydrohil.services.recorder.sample_index import Place, Places, sample_numbers
+from hydrohil.services.recorder.state_timeline import changes, lanes
+from hydrohil.shared.contract.codec import Received
+from hydrohil.shared.contract.columns import MS, Matrix, column_names, figure_values, figures, flat_rows
+from hydrohil.shared.contract.converters import UNIMATE_CONVERTERS
+from hydrohil.shared.contract.messages import (
     About,
     Command,
     ControllerState,
@@ -34,7 +24,17 @@ from shared.messages import (
     Reception,
     Sample,
 )
-from shared.timeliness import answered_in_time
+from hydrohil.shared.contract.timeliness import answered_in_time
+from hydrohil.shared.trips.events import (
+    COUNT_NAMES,
+    Event,
+    fault_event,
+    gate_event,
+    late_event,
+    parameter_event,
+    permit_events,
+    reception_event,
+)
 
 BATCH_ROWS = 1024  # a batch is a chunk of the file, with about 1 kB around it and 2 kB of index in memory; `flush` comes earlier
 COUNT_ROWS = 10  # counters are told once a second; what is counted is in the recorder's answers at once

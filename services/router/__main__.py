@@ -1,7 +1,7 @@
-"""`python -m services.router`."""
+"""`python -m hydrohil.services.router`."""
 
 import sys
 
-from services.router.service import main
+from hydrohil.services.router.service import main
 
 sys.exit(main())

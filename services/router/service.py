@@ -4,10 +4,10 @@ import signal
 import sys
 import threading
 
-from shared.bus import BusError, router
-from shared.endpoints import ROUTER, address
-from shared.process import EXIT_OK, EXIT_TRANSPORT, CommandLine, scheduling, with_process_options
-from shared.realtime import claim, die_with_parent
+from hydrohil.shared.host.process import EXIT_OK, EXIT_TRANSPORT, CommandLine, scheduling, with_process_options
+from hydrohil.shared.host.realtime import claim, die_with_parent
+from hydrohil.shared.transport.bus import BusError, router
+from hydrohil.shared.transport.endpoints import ROUTER, address
 
 LISTEN = "--listen"
 

@@ -1,7 +1,7 @@
-"""`python -m services.supervisor`."""
+"""`python -m hydrohil.services.supervisor`."""
 
 import sys
 
-from services.supervisor.service import main
+from hydrohil.services.supervisor.service import main
 
 sys.exit(main())

@@ -4,7 +4,7 @@ from typing import Annotated, NamedTuple
 
 from annotated_types import Interval
 
-from shared.units import RAD_PER_DEG
+from hydrohil.shared.units import RAD_PER_DEG
 
 LB_LIMIT_N = 75.0 * 9.8 / 2.2  # "exits above 75 lb", 334 N (Appendix F)
 

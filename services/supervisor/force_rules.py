@@ -1,9 +1,9 @@
 """What must hold of the force gauge and of the force that it reads."""
 
-from services.supervisor.machine import NOISE_N, TOUCH_N
-from services.supervisor.rule import Limits, Observed, Rule
-from shared.kernel import kernel
-from shared.messages import TripCause
+from hydrohil.services.supervisor.machine import NOISE_N, TOUCH_N
+from hydrohil.services.supervisor.rule import Limits, Observed, Rule
+from hydrohil.shared.compiled.kernel import kernel
+from hydrohil.shared.contract.messages import TripCause
 
 
 @kernel

@@ -1,9 +1,9 @@
 """What must hold of the links: no faults under a bound identity, one publisher a topic, one experiment, answers in time."""
 
-from services.supervisor.answers import quality
-from services.supervisor.rule import Limits, Observed, Rule
-from shared.kernel import kernel
-from shared.messages import TripCause
+from hydrohil.services.supervisor.rule import Limits, Observed, Rule
+from hydrohil.shared.compiled.kernel import kernel
+from hydrohil.shared.contract.deadline_window import quality
+from hydrohil.shared.contract.messages import TripCause
 
 
 @kernel

@@ -1,7 +1,7 @@
 """What the supervisor knows of the machine besides its channel tables: physical bounds that no experiment changes."""
 
-from shared.pose import UNIMATE_GEOMETRY, Triple
-from shared.units import A_PER_MA, RAD_PER_DEG
+from hydrohil.shared.contract.pose import UNIMATE_GEOMETRY, Triple
+from hydrohil.shared.units import A_PER_MA, RAD_PER_DEG
 
 NOISE_N = 10.0  # "+-10 N of noise" (thesis 5.1.2), clipped there
 GAUGE_RANGE_N = 700.0

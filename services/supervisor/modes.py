@@ -3,8 +3,8 @@
 from enum import IntEnum
 from typing import NamedTuple
 
-from shared.kernel import kernel
-from shared.messages import Mode
+from hydrohil.shared.compiled.kernel import kernel
+from hydrohil.shared.contract.messages import Mode
 
 DISARMED, ARMED, RUNNING, TRIPPED, RECOVER = map(int, Mode)
 

@@ -1,10 +1,10 @@
 """What must hold of the joints, the tip and the valves that move them."""
 
-from services.supervisor.machine import BRAKES, FULL_SPEED, MOVES_WITHIN_NS
-from services.supervisor.rule import Limits, Observed, Rule
-from shared.kernel import kernel
-from shared.messages import TripCause
-from shared.pose import Triple
+from hydrohil.services.supervisor.machine import BRAKES, FULL_SPEED, MOVES_WITHIN_NS
+from hydrohil.services.supervisor.rule import Limits, Observed, Rule
+from hydrohil.shared.compiled.kernel import kernel
+from hydrohil.shared.contract.messages import TripCause
+from hydrohil.shared.contract.pose import Triple
 
 
 @kernel

@@ -3,15 +3,15 @@
 import math
 from typing import NamedTuple
 
-from services.supervisor.answers import Answers, answers_step
-from services.supervisor.observe_force import ForceWatch, Push, force_step
-from services.supervisor.observe_motion import Codes, LinkWatch, MotionWatch, Pose, motion_step
-from services.supervisor.rule import Observed, TransportSeen
-from shared.converters import Calibration
-from shared.kernel import kernel
-from shared.messages import NO_COMMAND, NO_TRIAL, Sample
-from shared.pose import UNIMATE_GEOMETRY, forward, joint_positions
-from shared.timeliness import answered_in_time
+from hydrohil.services.supervisor.observe_force import ForceWatch, Push, force_step
+from hydrohil.services.supervisor.observe_motion import Codes, LinkWatch, MotionWatch, Pose, motion_step
+from hydrohil.services.supervisor.rule import Observed, TransportSeen
+from hydrohil.shared.compiled.kernel import kernel
+from hydrohil.shared.contract.converters import Calibration
+from hydrohil.shared.contract.deadline_window import Answers, answers_step
+from hydrohil.shared.contract.messages import NO_COMMAND, NO_TRIAL, Sample
+from hydrohil.shared.contract.pose import UNIMATE_GEOMETRY, forward, joint_positions
+from hydrohil.shared.contract.timeliness import answered_in_time
 
 
 class Observing(NamedTuple):

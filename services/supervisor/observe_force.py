@@ -2,9 +2,9 @@
 
 from typing import NamedTuple
 
-from services.supervisor.machine import COUNT_M, GAUGE_N_PER_M, GAUGE_NS_PER_M, LOOSE_M_PER_S, NOISE_N
-from services.supervisor.rule import GaugeSeen
-from shared.kernel import kernel
+from hydrohil.services.supervisor.machine import COUNT_M, GAUGE_N_PER_M, GAUGE_NS_PER_M, LOOSE_M_PER_S, NOISE_N
+from hydrohil.services.supervisor.rule import GaugeSeen
+from hydrohil.shared.compiled.kernel import kernel
 
 SMOOTHING_S = 0.02
 

@@ -3,11 +3,11 @@
 import math
 from typing import NamedTuple
 
-from services.supervisor.machine import AT_STOP_COUNTS, TRAVEL_HIGH, TRAVEL_LOW
-from services.supervisor.rule import MotionSeen
-from shared.kernel import kernel
-from shared.messages import LinkCounts
-from shared.pose import Triple
+from hydrohil.services.supervisor.machine import AT_STOP_COUNTS, TRAVEL_HIGH, TRAVEL_LOW
+from hydrohil.services.supervisor.rule import MotionSeen
+from hydrohil.shared.compiled.kernel import kernel
+from hydrohil.shared.contract.messages import LinkCounts
+from hydrohil.shared.contract.pose import Triple
 
 SMOOTHING_S = 0.02
 

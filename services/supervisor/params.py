@@ -2,16 +2,24 @@
 
 import math
 
-from services.supervisor.config import SupervisorConfig
-from services.supervisor.machine import FEWEST_QUIET, GAUGE_RANGE_N, MOVES_DOWN_A, MOVES_UP_A, NOISE_N, QUIET_COUNTS, QUIET_NS
-from services.supervisor.observe import Observing
-from services.supervisor.observe_motion import Codes
-from services.supervisor.rule import Limits
-from services.supervisor.step import SupervisorParams
-from shared.converters import N_PER_FORCE_COUNT, calibration
-from shared.messages import About
-from shared.protection import FAULTS_PER_S
-from shared.units import NS_PER_S
+from hydrohil.services.supervisor.config import SupervisorConfig
+from hydrohil.services.supervisor.machine import (
+    FEWEST_QUIET,
+    GAUGE_RANGE_N,
+    MOVES_DOWN_A,
+    MOVES_UP_A,
+    NOISE_N,
+    QUIET_COUNTS,
+    QUIET_NS,
+)
+from hydrohil.services.supervisor.observe import Observing
+from hydrohil.services.supervisor.observe_motion import Codes
+from hydrohil.services.supervisor.rule import Limits
+from hydrohil.services.supervisor.step import SupervisorParams
+from hydrohil.shared.contract.converters import N_PER_FORCE_COUNT, calibration
+from hydrohil.shared.contract.messages import About
+from hydrohil.shared.transport.protection import FAULTS_PER_S
+from hydrohil.shared.units import NS_PER_S
 
 RANDOM_MISSES = 16  # of 100: a link that loses 1 % each way has more in 7e-9 of all windows, one that loses 20 % in nearly all
 _LEAD_S, _ARMED_S, _RECOVER_S = 0.25, 60.0, 0.3

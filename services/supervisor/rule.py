@@ -3,9 +3,9 @@
 from collections.abc import Callable
 from typing import NamedTuple
 
-from services.supervisor.config import SupervisorConfig
-from shared.messages import TripCause
-from shared.pose import Triple
+from hydrohil.services.supervisor.config import SupervisorConfig
+from hydrohil.shared.contract.messages import TripCause
+from hydrohil.shared.contract.pose import Triple
 
 
 class GaugeSeen(NamedTuple):

@@ -2,13 +2,13 @@
 
 from collections.abc import Callable
 
-from services.supervisor.force_rules import FORCE_RULES
-from services.supervisor.link_rules import LINK_RULES
-from services.supervisor.motion_rules import MOTION_RULES
-from services.supervisor.rule import Limits, Number, Observed, Rule, Verdict
-from services.supervisor.transport_rules import TRANSPORT_RULES
-from shared.kernel import kernel
-from shared.messages import TripCause
+from hydrohil.services.supervisor.force_rules import FORCE_RULES
+from hydrohil.services.supervisor.link_rules import LINK_RULES
+from hydrohil.services.supervisor.motion_rules import MOTION_RULES
+from hydrohil.services.supervisor.rule import Limits, Number, Observed, Rule, Verdict
+from hydrohil.services.supervisor.transport_rules import TRANSPORT_RULES
+from hydrohil.shared.compiled.kernel import kernel
+from hydrohil.shared.contract.messages import TripCause
 
 Broken = tuple[int, float, float]  # cause, measured, limit; all zero if nothing is
 

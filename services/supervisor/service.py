@@ -6,30 +6,30 @@ import time
 from collections.abc import Callable
 from typing import Any
 
-from services.supervisor.agreement import Declared, disagreement
-from services.supervisor.answers import quality
-from services.supervisor.config import SupervisorConfig
-from services.supervisor.in_step import InStep
-from services.supervisor.modes import DISARMED, TRIPPED, Event
-from services.supervisor.observe import Links
-from services.supervisor.params import supervisor_params
-from services.supervisor.rules import trip_words
-from services.supervisor.step import Asked, SupervisorMemory, supervisor_step
-from shared.bus import Bus, Run, same_run
-from shared.codec import Received
-from shared.detour import Passage
-from shared.envelope import Envelope, section, unseal
-from shared.live_faults import LiveFaults
-from shared.messages import NO_COMMAND, About, Mode, Passed, Permit, TripCause
-from shared.process import draw_number, options_of, parser, serve
-from shared.protection import worst
-from shared.qualified import UNKNOWN, Standing, beyond, plain, standing
-from shared.realtime import follow, is_fifo, unhurried
-from shared.reception import due, reception, told
-from shared.requests import Request
-from shared.timeliness import LATE_IN_A_ROW
-from shared.turns import Turns
-from shared.units import NS_PER_S
+from hydrohil.services.supervisor.config import SupervisorConfig
+from hydrohil.services.supervisor.lockstep_queue import InStep
+from hydrohil.services.supervisor.modes import DISARMED, TRIPPED, Event
+from hydrohil.services.supervisor.observe import Links
+from hydrohil.services.supervisor.params import supervisor_params
+from hydrohil.services.supervisor.prearm_checks import Declared, disagreement
+from hydrohil.services.supervisor.rules import trip_words
+from hydrohil.services.supervisor.step import Asked, SupervisorMemory, supervisor_step
+from hydrohil.shared.contract.codec import Received
+from hydrohil.shared.contract.deadline_window import quality
+from hydrohil.shared.contract.envelope import Envelope, section, unseal
+from hydrohil.shared.contract.messages import NO_COMMAND, About, Mode, Passed, Permit, TripCause
+from hydrohil.shared.contract.timeliness import LATE_IN_A_ROW
+from hydrohil.shared.host.process import draw_number, options_of, parser, serve
+from hydrohil.shared.host.qualified import UNKNOWN, Standing, beyond, plain, standing
+from hydrohil.shared.host.realtime import follow, is_fifo, unhurried
+from hydrohil.shared.transport.bus import Bus, Run, same_run
+from hydrohil.shared.transport.impairment_queue import Passage
+from hydrohil.shared.transport.link_stats import due, reception, told
+from hydrohil.shared.transport.live_faults import LiveFaults
+from hydrohil.shared.transport.protection import worst
+from hydrohil.shared.transport.requests import Request
+from hydrohil.shared.transport.step_lock import Turns
+from hydrohil.shared.units import NS_PER_S
 
 _IDLE_WAKE_S = 0.1
 _LOCKSTEP_SILENCE_NS = 6 * NS_PER_S  # the plant gives up on a peer after 5 s

@@ -3,23 +3,13 @@
 import math
 from typing import NamedTuple
 
-from services.supervisor.modes import (
-    ARMED,
-    DISARMED,
-    HOLD_RECOVER,
-    RECOVER,
-    RESET,
-    RUNNING,
-    TRIPPED,
-    Facts,
-    next_mode,
-)
-from services.supervisor.modes import ESTOP as ESTOP_EVENT
-from services.supervisor.observe import Heard, Links, Observing, Watch, bias_anew, observe_step, watch_start
-from services.supervisor.rule import Limits, Observed
-from services.supervisor.rules import first_broken
-from shared.kernel import kernel
-from shared.messages import NO_COMMAND, GateCause, Permit, Sample, TripCause
+from hydrohil.services.supervisor.modes import ARMED, DISARMED, HOLD_RECOVER, RECOVER, RESET, RUNNING, TRIPPED, Facts, next_mode
+from hydrohil.services.supervisor.modes import ESTOP as ESTOP_EVENT
+from hydrohil.services.supervisor.observe import Heard, Links, Observing, Watch, bias_anew, observe_step, watch_start
+from hydrohil.services.supervisor.rule import Limits, Observed
+from hydrohil.services.supervisor.rules import first_broken
+from hydrohil.shared.compiled.kernel import kernel
+from hydrohil.shared.contract.messages import NO_COMMAND, GateCause, Permit, Sample, TripCause
 
 _ESTOP, _LAST_OF_FORCE, _JOINT_LIMIT = int(TripCause.ESTOP), int(TripCause.FORCE_BELOW_BIAS), int(TripCause.JOINT_LIMIT)
 _GATE_STOPPED = int(GateCause.ESTOP)

@@ -1,8 +1,8 @@
 """What must hold of the messages and of those who send them."""
 
-from services.supervisor.rule import Limits, Observed, Rule
-from shared.kernel import kernel
-from shared.messages import GateState, TripCause
+from hydrohil.services.supervisor.rule import Limits, Observed, Rule
+from hydrohil.shared.compiled.kernel import kernel
+from hydrohil.shared.contract.messages import GateState, TripCause
 
 _OPEN, _BURNED = int(GateState.OPEN), int(GateState.BURNED)
 

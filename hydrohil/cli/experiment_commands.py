@@ -1,0 +1,175 @@
+"""`hydrohil list`, `show`, `run`, `view`: everything about experiments and what they leave."""
+
+import importlib.util
+import json
+import os
+import sys
+from pathlib import Path
+from typing import Annotated, Any
+
+import typer
+
+from hydrohil.cli.options import (
+    AsJson,
+    CellName,
+    Hosts,
+    Injected,
+    Port,
+    Router,
+    Settings,
+    Unqualified,
+    app,
+    console,
+    fail,
+    make_folders,
+    place_of,
+    service_options,
+    writing,
+)
+from hydrohil.shared.host.process import EXIT_TRANSPORT, EXIT_TRIPPED, EXIT_USAGE
+from hydrohil.shared.transport.bus import DEFAULT_PORT
+
+_RUNS = Path("runs")
+
+
+@app.command("list")
+def list_experiments(as_json: AsJson = False) -> None:
+    """List the experiments that ship, and the figures that are computed."""
+    from rich.table import Table
+
+    from hydrohil.experiment.experiment import Experiment
+    from hydrohil.reproduction.plan import figures
+    from hydrohil.thesis.library import catalogue
+
+    if as_json:
+        experiments = [{"name": e.name, "alias": e.alias, "title": e.title, "claims": len(e.claims)} for e in catalogue()]
+        computed = [{"name": f.name, "alias": f.subject.alias, "title": f.subject.title} for f in figures() if f.computed]
+        print(json.dumps(experiments + [entry | {"computed": True} for entry in computed], indent=2))
+        return
+    table = Table("name", "alias", "title", "claims")
+    for figure in figures():
+        claims = str(len(figure.subject.claims)) if isinstance(figure.subject, Experiment) else "computed"
+        table.add_row(", ".join((figure.name, *figure.also)), figure.subject.alias, figure.subject.title, claims)
+    console.print(table)
+
+
+@app.command()
+def show(
+    name: Annotated[str, typer.Argument(help="Name, alias, or a TOML file.")],
+    toml: Annotated[bool, typer.Option("--toml", help="Print the whole experiment, every default spelled out.")] = False,
+    settings: Settings = None,
+) -> None:
+    """Show an experiment; `--toml` prints a file that runs.
+
+    Example: `hydrohil show fig-4-25 --toml > mine.toml; hydrohil run mine.toml`
+    """
+    from hydrohil.claims.claims import band
+    from hydrohil.experiment.experiment import to_toml, warnings
+
+    experiment = experiment_of(name, settings)
+    if toml:
+        sys.stdout.write(to_toml(experiment))
+        return
+    console.print(f"[bold]{experiment.name}[/] ({experiment.alias}): {experiment.title}\n{experiment.source}", highlight=False)
+    console.print(f"{experiment.duration_s:g} s, law {experiment.controller.law}, target {experiment.controller.target}")
+    for line in warnings(experiment):
+        console.print(f"[yellow]warning[/]: {line}", highlight=False, soft_wrap=True)
+    for claim in experiment.claims:
+        console.print(f"  {claim.statement}: {claim.metric} of {claim.channel} {band(claim)}  [{claim.source}]", markup=False)
+
+
+@app.command()
+def run(
+    name: Annotated[str, typer.Argument(help="Name, alias, or a TOML file.")],
+    clock: Annotated[str, typer.Option(help="real, lockstep or local.")] = "real",
+    settings: Settings = None,
+    injected: Injected = None,
+    seed: Annotated[int, typer.Option(min=0, help="Of noise, jitter and faults.")] = 0,
+    json_file: Annotated[Path | None, typer.Option("--json", help="Write the report.")] = None,
+    trace_file: Annotated[Path | None, typer.Option("--trace", help="Write every sample (.npz).")] = None,
+    rrd: Annotated[Path | None, typer.Option(help="Write a Rerun recording.")] = None,
+    cell: CellName = "cell",
+    port: Port = DEFAULT_PORT,
+    hosts: Hosts = "",
+    router: Router = "",
+    permit_ttl_ms: Annotated[float | None, typer.Option(help="Lease of a cell brought up for this run.")] = None,
+    realtime: Annotated[bool, typer.Option(help="Real-time scheduling of a cell brought up for this run.")] = True,
+    unqualified: Unqualified = False,
+) -> None:
+    """Run an experiment and judge its claims.
+
+    Exit status: 0 all claims hold, 1 a claim fails, 2 usage, 3 the rig tripped, 5 transport.
+
+    Examples: `hydrohil run fig-4-25 --clock local`, `hydrohil run fig-5-5 --rrd runs/static.rrd --seed 3`,
+    `hydrohil run fig-5-5 --inject "stuck force at=1.0 for=0.5" --inject "drop supply value=0.5 at=2"`
+    """
+    from hydrohil.cell import processes as cells
+    from hydrohil.cell.injection import unplayable
+    from hydrohil.cli import report as reports
+    from hydrohil.cli.run import Wanted, run_experiment
+
+    if clock not in ("real", "lockstep", "local"):
+        raise fail(f"--clock is {clock!r}: expected real, lockstep or local", EXIT_USAGE)
+    if clock == "local" and rrd is not None:
+        raise fail("--rrd needs a cell with a recorder: use --clock lockstep or real (--trace works on every clock)", EXIT_USAGE)
+    make_folders(json_file, trace_file, rrd)
+    experiment = experiment_of(name, settings, injected)
+    if unplayed := unplayable(experiment.faults, clock):
+        raise fail("\n".join(unplayed), EXIT_USAGE)
+    place = place_of(cell, port, hosts, router)
+    wanted = Wanted(experiment, clock, seed, rrd, trace_file, service_options(permit_ttl_ms, realtime=realtime), unqualified)
+    try:
+        report = run_experiment(place, wanted, console)
+    except cells.TrippedError as error:
+        raise fail(error, EXIT_TRIPPED) from None
+    except cells.UnqualifiedError as error:
+        raise fail(error, EXIT_USAGE) from None
+    except cells.CellError as error:
+        raise fail(error, EXIT_TRANSPORT) from None
+    except KeyboardInterrupt:
+        raise fail("interrupted: valves at zero, disarmed", 130) from None
+    reports.show(console, report)
+    if json_file is not None:
+        with writing(json_file):
+            reports.write_json(json_file, report)
+    raise typer.Exit(report.exit_status)
+
+
+@app.command()
+def view(recording: Annotated[Path | None, typer.Argument(help="A .rrd file; default: the newest in runs/.")] = None) -> None:
+    """Open a recording in the Rerun viewer, all files of a long one together."""
+    from hydrohil.shared.contract.file_parts import parts_of
+
+    chosen = recording or max(_RUNS.glob("*.rrd"), key=lambda path: path.stat().st_mtime, default=None)
+    if chosen is None or not chosen.exists():
+        raise fail(f"no recording at {chosen or _RUNS}: run an experiment with --rrd FILE first", EXIT_USAGE)
+    if not chosen.is_file() or not os.access(chosen, os.R_OK):
+        raise fail(f"{chosen}: cannot be read: give the path of a .rrd file", EXIT_USAGE)
+    package = importlib.util.find_spec("rerun_cli")
+    if package is None or package.origin is None:
+        raise fail("the Rerun viewer is not installed: `make install`", EXIT_USAGE)
+    viewer = Path(package.origin).with_name("rerun")  # itself: a signal to the script of that name would leave it behind
+    os.execv(viewer, [str(viewer), *map(str, parts_of(chosen))])
+
+
+def experiment_of(name: str, settings: list[str] | None, injected: list[str] | None = None) -> Any:
+    """From a file or the library, with `--set` and `--inject` applied; exit 2 with one line a problem."""
+    from hydrohil.experiment.errors import ExperimentError
+    from hydrohil.experiment.experiment import from_toml
+    from hydrohil.experiment.injections import with_faults
+    from hydrohil.experiment.overrides import with_overrides
+    from hydrohil.thesis.library import find
+
+    try:
+        experiment = from_toml(Path(name)) if name.endswith(".toml") or os.sep in name else find(name)
+        return with_faults(with_overrides(experiment, settings or []), injected or [])
+    except ExperimentError as error:
+        raise fail(_computed(name) or error, EXIT_USAGE) from None
+
+
+def _computed(name: str) -> str:
+    """What to say of a figure that is no trial; "" of anything else."""
+    from hydrohil.reproduction.plan import figures
+
+    computed = {alias for figure in figures() if figure.computed for alias in figure.names}
+    return f"{name} is a computed figure, no trial: `hydrohil reproduce --only {name}` shows it" if name in computed else ""

@@ -1,0 +1,95 @@
+"""What every command of `hydrohil` shares: the application, its consoles, its options."""
+
+import os
+import sys
+from collections.abc import Iterator
+from contextlib import contextmanager
+from pathlib import Path
+from typing import TYPE_CHECKING, Annotated
+
+import typer
+from rich.console import Console
+
+from hydrohil.shared.host.process import EXIT_USAGE
+from hydrohil.shared.transport.endpoints import network
+
+if TYPE_CHECKING:
+    from hydrohil.cell.processes import Place
+
+app = typer.Typer(
+    help="Distributed hardware-in-the-loop rig for force-controlled hydraulic manipulators.",
+    no_args_is_help=True,
+    add_completion=False,
+    pretty_exceptions_enable=False,
+    rich_markup_mode="markdown",
+)
+console = Console(width=None if sys.stdout.isatty() else 120)
+errors = Console(stderr=True, highlight=False, soft_wrap=True)
+
+CellName = Annotated[str, typer.Option("--cell", help="Name of the cell.")]
+Port = Annotated[int, typer.Option("--port", help="First of the cell's four ports.", min=1024, max=65000)]
+Hosts = Annotated[
+    str, typer.Option("--hosts", metavar="SERVICE=ADDRESS,...", help="Where services run; one not named: on 127.0.0.1.")
+]
+Router = Annotated[
+    str, typer.Option("--router", metavar="tcp/ADDRESS:PORT", help="Connect to this router instead of the services.")
+]
+Settings = Annotated[
+    list[str] | None,
+    typer.Option("--set", metavar="PATH=VALUE", help="Change one value, as TOML: controller.acting=[true,false,true]."),
+]
+Injected = Annotated[
+    list[str] | None,
+    typer.Option("--inject", metavar="FAULT", help="Break something: 'KIND TARGET [value=V] [at=SECONDS] [for=SECONDS]'."),
+]
+Unqualified = Annotated[
+    bool,
+    typer.Option("--unqualified", help="On the real clock, above the rate that `hydrohil qualify` has signed for this host."),
+]
+AsJson = Annotated[bool, typer.Option("--json", help="Print JSON.")]
+
+
+def fail(message: object, status: int) -> typer.Exit:
+    """One line on stderr; raise what is returned."""
+    errors.print(str(message), style="red", markup=False)
+    return typer.Exit(status)
+
+
+def place_of(cell: str, port: int, hosts: str, router: str) -> "Place":
+    """Where a cell is; exit 2, with one line, where `--hosts` or `--router` say nothing."""
+    from hydrohil.cell.processes import Place
+
+    try:
+        return Place(cell, port, network(hosts, router))
+    except ValueError as error:
+        raise fail(error, EXIT_USAGE) from None
+
+
+def make_folders(*files: Path | None) -> None:
+    """Make the folder of every file that a command will write; exit 2 where that, or a file there, is impossible."""
+    for path in files:
+        try:
+            if path is not None:
+                path.parent.mkdir(parents=True, exist_ok=True)
+        except OSError as error:
+            raise fail(f"{path}: its folder cannot be made ({error.strerror}): name another", EXIT_USAGE) from None
+        if path is not None and path.is_dir():
+            raise fail(f"{path}: is a folder: name a file", EXIT_USAGE)
+        if path is not None and not os.access(path if path.exists() else path.parent, os.W_OK):
+            raise fail(f"{path}: cannot be written (permission denied): name another", EXIT_USAGE)
+
+
+@contextmanager
+def writing(path: Path) -> Iterator[None]:
+    """Exit 2, with one line, where `path` cannot be written after all: a full disk is no failed claim."""
+    try:
+        yield
+    except OSError as error:
+        raise fail(f"{path}: cannot be written ({error.strerror or error}): make room or name another", EXIT_USAGE) from None
+
+
+def service_options(permit_ttl_ms: float | None, *, realtime: bool) -> dict[str, list[str]]:
+    """Options of each service that `up` and `run` start."""
+    common = [] if realtime else ["--no-realtime"]
+    lease = [] if permit_ttl_ms is None else ["--permit-ttl-ms", str(permit_ttl_ms)]
+    return {"plant": common + lease, "controller": common, "supervisor": common}

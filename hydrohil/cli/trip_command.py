@@ -1,0 +1,68 @@
+"""`hydrohil trip`: a trip report again, as text, JSON, tables or a page with plots."""
+
+import csv
+import json
+from pathlib import Path
+from typing import Annotated, Any
+
+import typer
+
+from hydrohil.cli.options import AsJson, app, console, fail, make_folders, writing
+from hydrohil.shared.host.process import EXIT_USAGE
+
+
+@app.command()
+def trip(
+    file: Annotated[Path | None, typer.Argument(help="A report; default: the newest in runs/trips.")] = None,
+    as_json: AsJson = False,
+    csv_folder: Annotated[Path | None, typer.Option("--csv", help="Write every signal, one table a topic.")] = None,
+    html: Annotated[Path | None, typer.Option(help="Write a page with plots; it needs no network.")] = None,
+) -> None:
+    """Show why and how the rig tripped: rule, numbers, ages of every hop, counters; the last 10 s of all signals.
+
+    Examples: `hydrohil trip`, `hydrohil trip --csv runs/signals`, `hydrohil trip --html runs/trip.html`
+    """
+    from hydrohil.cli.report import show_trip
+
+    path, document = _document(file)
+    if csv_folder is not None:
+        make_folders(csv_folder / "any.csv")
+        _write_tables(document["signals"], csv_folder)
+    if html is not None:
+        from hydrohil.pages.trip_page import page
+
+        make_folders(html)
+        with writing(html):
+            html.write_text(page(document))
+    if as_json:
+        print(json.dumps({name: value for name, value in document.items() if name != "signals"}, indent=2))
+    else:
+        of = f", experiment {document['experiment']}" if document["experiment"] else ""
+        console.print(f"[bold]{document['utc']}[/]  cell {document['cell']}{of}", highlight=False, soft_wrap=True)
+        show_trip(console, document, str(path))
+
+
+def _document(file: Path | None) -> tuple[Path, Any]:
+    """The report that is asked for; exit 2 where there is none."""
+    from hydrohil.cell.trip_file import TRIPS
+    from hydrohil.shared.trips.files import read, reports
+
+    found = file or next(reversed(reports(TRIPS)), None)
+    if found is None:
+        raise fail(f"no trip report in {TRIPS}: `hydrohil status` names the last one of a cell that runs", EXIT_USAGE)
+    try:
+        return found, read(found)
+    except OSError as error:
+        raise fail(f"{found}: {error.strerror}", EXIT_USAGE) from None
+    except ValueError as error:
+        raise fail(error, EXIT_USAGE) from None
+
+
+def _write_tables(signals: dict[str, dict[str, list[Any]]], folder: Path) -> None:
+    """`plant-sample.csv` and so on; an empty cell is no number."""
+    for topic, table in signals.items():
+        path = folder / f"{topic.replace('/', '-')}.csv"
+        with writing(path), path.open("w", newline="") as out:
+            lines = csv.writer(out)
+            lines.writerow(table)
+            lines.writerows(zip(*table.values(), strict=True))

@@ -1,0 +1,171 @@
+"""An experiment as data: composed of the sections that the services define, read from and written to TOML and bytes."""
+
+import hashlib
+import json
+import tomllib
+from collections.abc import Callable, Sequence
+from pathlib import Path
+from typing import Annotated, Any, NamedTuple
+
+import tomli_w
+from annotated_types import Interval
+from pydantic import ConfigDict, StringConstraints, TypeAdapter, ValidationError
+
+from hydrohil.claims.claims import Claim, problems
+from hydrohil.experiment.errors import ExperimentError, from_validation, unreadable
+from hydrohil.services.controller.checks import check
+from hydrohil.services.controller.config import Changes, ControllerConfig, Reference
+from hydrohil.services.controller.contact_environment import Surroundings, surroundings
+from hydrohil.services.controller.parameter_schedule import scheduled
+from hydrohil.services.controller.preflight import preflight
+from hydrohil.services.plant.config import PlantConfig, latch_substeps, trial_ticks
+from hydrohil.services.plant.params import contact_params
+from hydrohil.services.supervisor.config import SupervisorConfig
+from hydrohil.shared.contract.assignments import plain_of
+from hydrohil.shared.contract.faults import Fault, trial_problems
+from hydrohil.shared.units import SUBSTEP_NS
+
+Name = Annotated[str, StringConstraints(pattern=r"^[a-z0-9]+(-[a-z0-9]+)*$")]
+MAX_DURATION_S = 3600.0
+
+
+class Experiment(NamedTuple):
+    """What a trial is: each section is validated by the types of the service that reads it."""
+
+    name: Name
+    alias: Name
+    title: str
+    source: str  # where the experiment comes from
+    duration_s: Annotated[float, Interval(gt=0.0, le=MAX_DURATION_S)]  # of the reference, after the bias is taken
+    plant: PlantConfig = PlantConfig()
+    controller: ControllerConfig = ControllerConfig()
+    supervisor: SupervisorConfig = SupervisorConfig()
+    reference: Reference = ()
+    faults: tuple[Fault, ...] = ()  # what breaks on purpose, and when
+    changes: Changes = ()  # of the controller's parameters while the trial runs
+    claims: tuple[Claim, ...] = ()
+
+
+to_plain = plain_of
+_ADAPTER: TypeAdapter[Experiment] = TypeAdapter(Experiment, config=ConfigDict(allow_inf_nan=False))
+
+
+def from_plain(plain: Any, where: str) -> Experiment:
+    """Validate plain data strictly: no text becomes a number. Raises ExperimentError; `where` names the origin."""
+    try:
+        data = json.dumps(plain)
+    except TypeError as reason:
+        raise ExperimentError([f"{where}: {reason}: use text, numbers, true or false, lists and tables"]) from None
+    try:
+        experiment = _ADAPTER.validate_json(data, strict=True)
+    except ValidationError as refused:
+        raise from_validation(where, refused.errors(), Experiment) from None
+    return checked(experiment, where, plain.get("faults", ()) if isinstance(plain, dict) else None)
+
+
+def checked(experiment: Experiment, where: str, written_faults: Sequence[Any] | None = None) -> Experiment:
+    """`experiment`, if its sections agree with each other. Raises ExperimentError.
+
+    `written_faults` are its faults before their defaults: only these show that a value was left out.
+    """
+    found = [
+        f"{where}: claims.{number}.{field} {what}; correct the claim"
+        for number, claim in enumerate(experiment.claims)
+        for field, what in problems(claim, experiment.duration_s)
+    ]
+    plant, faults = experiment.plant, experiment.faults
+    period_ns, ticks = plant.sample_period_substeps * SUBSTEP_NS, trial_ticks(plant, experiment.duration_s)
+    broken = trial_problems(faults if written_faults is None else written_faults, faults, period_ns, ticks)
+    found += [f"{where}: {what}; correct the fault" for what in broken]
+    found += [
+        f"{where}: changes.{number}.at_s is {change.at_s:g} s: the trial ends at {experiment.duration_s:g} s; correct the time"
+        for number, change in enumerate(experiment.changes)
+        if not change.at_s < experiment.duration_s
+    ]
+    found += [f"{where}: {reason}" for reason in _section_problems(experiment)]
+    if found:
+        raise ExperimentError(found)
+    return experiment
+
+
+def _section_problems(experiment: Experiment) -> list[str]:
+    """What each service says of fields that are valid one by one but do not fit together."""
+    plant, found = experiment.plant, []
+    met = surroundings(to_plain(plant))
+    checks: tuple[Callable[[], object], ...] = (
+        lambda: latch_substeps(plant),
+        lambda: contact_params(plant.environment),
+        lambda: check(experiment.controller, experiment.reference, plant.initial_q_rad, plant.machine.q4_rad, met),
+        lambda: _check_changes(experiment, met),
+    )
+    for agrees in checks:
+        try:
+            agrees()
+        except ValueError as reason:
+            found.append(str(reason))
+    return found
+
+
+def _check_changes(experiment: Experiment, met: Surroundings) -> None:
+    """Raise ValueError where a change may not be, or leads to a configuration that could not be loaded."""
+    plant = experiment.plant
+    for config in _acting(experiment)[1:]:
+        check(config, experiment.reference, plant.initial_q_rad, plant.machine.q4_rad, met)
+
+
+def _acting(experiment: Experiment) -> tuple[ControllerConfig, ...]:
+    """The controller's configurations in the order in which they act."""
+    period_ns = experiment.plant.sample_period_substeps * SUBSTEP_NS
+    changed = scheduled(experiment.controller, experiment.changes, period_ns)
+    return (experiment.controller, *(config for _, config in changed))
+
+
+def warnings(experiment: Experiment) -> tuple[str, ...]:
+    """What an operator should know before it runs, one line a warning; none of them keeps it from running."""
+    met = surroundings(to_plain(experiment.plant))
+    return tuple(dict.fromkeys(line for config in _acting(experiment) for line in preflight(config, met)))
+
+
+def from_toml(path: Path) -> Experiment:
+    """Read and validate an experiment. Raises ExperimentError if it is missing, no TOML, or not an experiment."""
+    try:
+        text = path.read_text(encoding="utf-8")
+    except (OSError, UnicodeDecodeError) as reason:
+        raise unreadable(path, reason) from None
+    try:
+        return from_plain(tomllib.loads(text), str(path))
+    except (tomllib.TOMLDecodeError, RecursionError) as reason:
+        raise ExperimentError([f"{path}: is no TOML: {reason}; correct the syntax there"]) from None
+
+
+def to_toml(experiment: Experiment) -> str:
+    """The experiment as TOML with every default spelled out; reading it gives the same experiment.
+
+    TOML has no null: a field that is None is left out.
+    """
+    return tomli_w.dumps(_without_none(to_plain(experiment)))
+
+
+def _without_none(plain: Any) -> Any:
+    if isinstance(plain, dict):
+        return {name: _without_none(value) for name, value in plain.items() if value is not None}
+    return [_without_none(item) for item in plain] if isinstance(plain, list) else plain
+
+
+def to_bytes(experiment: Experiment) -> bytes:
+    """The experiment as canonical JSON: sorted keys, no spaces, shortest digits that give the same float back."""
+    return json.dumps(to_plain(experiment), sort_keys=True, separators=(",", ":"), ensure_ascii=False, allow_nan=False).encode()
+
+
+def from_bytes(data: bytes) -> Experiment:
+    """The experiment that `data` carries. Raises ExperimentError."""
+    try:
+        plain = json.loads(data)
+    except (ValueError, RecursionError) as reason:
+        raise ExperimentError([f"message: is no JSON: {reason}; send the bytes of to_bytes"]) from None
+    return from_plain(plain, "message")
+
+
+def experiment_hash(data: bytes) -> bytes:
+    """SHA-256 over the bytes as sent; whoever receives them echoes it and never encodes again."""
+    return hashlib.sha256(data).digest()

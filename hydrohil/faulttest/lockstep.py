@@ -1,0 +1,154 @@
+"""Transport faults in lockstep: real processes, simulated time, counted in samples and exact to the latch."""
+
+from collections.abc import Callable, Sequence
+from random import Random
+
+from hydrohil.cell.processes import CellError
+from hydrohil.experiment.experiment import Experiment
+from hydrohil.faulttest.motions import SWING, motion
+from hydrohil.faulttest.observer import Heard, safe
+from hydrohil.faulttest.processes import WATCHED_S, confirmed, judged
+from hydrohil.faulttest.rig import Rig
+from hydrohil.faulttest.trial import Trial
+from hydrohil.services.plant.config import latch_substeps
+from hydrohil.shared.contract.codec import Received
+from hydrohil.shared.contract.faults import Fault, ticks_of
+from hydrohil.shared.contract.messages import GateCause, Mode, TripCause
+from hydrohil.shared.units import NS_PER_S, SUBSTEP_NS, SUBSTEP_S
+
+AT_S = (0.4, 0.8)  # the fault begins somewhere between
+AFTER_S = 1.2  # of the trial, after the fault has begun
+LOSSY_S = 6.0  # a run of losses takes a while to come
+QUIET_S = 0.1  # of wall time, after the trial has ended
+PATIENCE_S = 30.0
+T_S, T_NS = SWING.plant.sample_period_substeps * SUBSTEP_S, SWING.plant.sample_period_substeps * SUBSTEP_NS
+LATCH_S = latch_substeps(SWING.plant._replace(jitter_substeps=0)) * SUBSTEP_S
+Faults = Callable[[float, float], tuple[Fault, ...]]  # of the instant at which they begin and the lease, in s
+
+
+def survivable(lease_s: float) -> int:
+    """So many commands in a row may be lost:  m T + latch <= lease."""
+    return int((lease_s - LATCH_S) / T_S + 1e-9)
+
+
+def trial_of(faults: tuple[Fault, ...], duration_s: float) -> Experiment:
+    """The swing on an even grid, so that a lease is a whole number of samples."""
+    return SWING._replace(plant=SWING.plant._replace(jitter_substeps=0), duration_s=duration_s, faults=faults)
+
+
+def played(rig: Rig, dice: Random, faults: Faults, after_s: float = AFTER_S) -> tuple[Heard, int]:
+    """What was heard of a trial, and where in its samples the first one is that has the fault."""
+    rig.calm()
+    at_s, lease_s = dice.uniform(*AT_S), rig.lease_s()
+    broken = faults(at_s, lease_s)
+    rig.started(trial_of(broken, at_s + after_s), dice.randrange(1 << 32), "lockstep")
+    rig.await_(lambda: _over(rig), "the trial's end", PATIENCE_S)
+    heard = rig.observer.listen_for(QUIET_S)
+    first = next((i for i, m in enumerate(heard.samples) if _has(m, broken[0])), None)
+    if first is None:
+        causes = ", ".join(GateCause(m.body.cause).name for m in heard.gates)
+        raise CellError(f"the trial ended before its fault: {rig.words()}; the gate's decisions: {causes}")
+    return heard, first
+
+
+def _over(rig: Rig) -> bool:
+    """Whether the supervisor has ended or tripped a trial that ran."""
+    modes = [m.body.mode for m in rig.observer.listen().permits]
+    return Mode.RUNNING in modes and modes[-1] in (Mode.TRIPPED, Mode.DISARMED)
+
+
+def stopped(rig: Rig, dice: Random, _: int, faults: Faults, bound: Callable[[float], float]) -> Trial:
+    """The fault must lead to zero current within `bound` of the lease, in simulated time."""
+    heard, first = played(rig, dice, faults)
+    lease_s = rig.lease_s()
+    return _timed(rig, heard.samples, first, bound(lease_s))
+
+
+def _timed(rig: Rig, samples: Sequence[Received], first: int, bound_s: float) -> Trial:
+    zero = next((i for i in range(first + 1, len(samples)) if safe(samples[i])), None)
+    if zero is None:
+        return Trial(False, f"the current never went to zero: {rig.words()}", bound_s=bound_s)
+    cut_ns = samples[zero - 1].body.time_ns + round(LATCH_S * NS_PER_S)  # a sample tells what the latch before it decided
+    reaction_s = (cut_ns - samples[first].body.time_ns) / NS_PER_S
+    resumed = sum(not safe(m) for m in samples[zero:])
+    mode = rig.status("supervisor").get("mode")
+    held = reaction_s <= bound_s + SUBSTEP_NS / NS_PER_S / 2 and resumed == 0 and mode == Mode.TRIPPED.name
+    words = f"{zero - 1 - first} samples after the first that has it; {resumed} with current afterwards; {rig.words()}"
+    return Trial(held, words, reaction_s, bound_s)
+
+
+def borne(rig: Rig, dice: Random, _: int, faults: Faults) -> Trial:
+    """The fault must not end the trial."""
+    heard, first = played(rig, dice, faults)
+    tripped = rig.status("supervisor").get("mode") == Mode.TRIPPED.name
+    return Trial(not tripped, f"{len(heard.samples) - first} samples since the fault; {rig.words()}")
+
+
+def lossy(rig: Rig, dice: Random, _: int, share: float) -> Trial:
+    """Commands are lost at random: the current ends with the first run of losses that the lease does not bear, and not before.
+
+    It may also end because too few of the last 100 samples were answered in time.
+    """
+    heard, first = played(rig, dice, on("loss", "controller>plant", share), LOSSY_S)
+    bearable = survivable(rig.lease_s())
+    run, longest, lost, zero = 0, 0, 0, None
+    for i in range(first + 1, len(heard.samples)):
+        body = heard.samples[i].body
+        if safe(heard.samples[i]):
+            zero = i
+            break
+        run = run + 1 if body.command_number < body.number - 1 else 0
+        lost, longest = lost + (run > 0), max(longest, run)
+    count = (zero or len(heard.samples)) - first - 1
+    supervisor = rig.status("supervisor")
+    cut = supervisor.get("mode") == Mode.TRIPPED.name and supervisor.get("cause") != TripCause.QUALITY.name
+    survived = (1.0 - share ** (bearable + 1)) ** count
+    words = (
+        f"{lost} of {count} commands lost, {longest} in a row before the end; the lease bears {bearable}, so that many samples "
+        f"pass with probability {survived:.2g}; {rig.words()}"
+    )
+    return Trial(longest <= bearable and (run == bearable or not cut), words)
+
+
+def on(kind: str, target: str, value: float = 0.0, lasts_s: float = 0.0) -> Faults:
+    """One fault from its instant on."""
+    return lambda at_s, _lease_s: (Fault(kind, target, at_s, lasts_s, value),)
+
+
+def burst(beyond: int) -> Faults:
+    """So many commands in a row are lost as the lease bears, and `beyond` more."""
+    return lambda at_s, lease_s: (Fault("burst", "controller>plant", at_s, 0.0, float(survivable(lease_s) + beyond)),)
+
+
+def delayed(share: float) -> Faults:
+    """Every command later by this share of the lease."""
+    return lambda at_s, lease_s: (Fault("delay", "controller>plant", at_s, 0.0, 1000.0 * share * lease_s),)
+
+
+def live(rig: Rig, dice: Random, number: int, target: str) -> Trial:
+    """A partition with the wall clock: from the arrival of the first sample that has it."""
+    at_s = dice.uniform(*AT_S)
+    fault = Fault("partition", target, at_s)
+    experiment = motion(number)._replace(faults=(fault,))
+    rig.started(experiment, dice.randrange(1 << 32))
+    burned = int(rig.status("plant")["burned_armings"])
+    lease_s = rig.lease_s()
+    rig.await_(lambda: any(_has(m, fault) for m in rig.observer.listen().samples[-20:]), "the partition")
+    heard = rig.observer.listen_for(lease_s + WATCHED_S)
+    blow_ns = next(m.arrival_ns for m in heard.samples if _has(m, fault))
+    return confirmed(rig, judged(heard, blow_ns, lease_and_period(lease_s)), burned, tripped=True)
+
+
+def _has(sample: Received, fault: Fault) -> bool:
+    """By its tick, as the services count: with jitter a trial's time wanders off the nominal one by whole periods."""
+    return bool(sample.body.tick >= ticks_of(fault, T_NS)[0])
+
+
+def lease_and_period(lease_s: float) -> float:
+    """Lease + T."""
+    return lease_s + T_S
+
+
+def unheard(lease_s: float) -> float:
+    """Of the supervisor, which judges sample n by the controller's message on n - 1 and in whole samples: lease + 3 T."""
+    return lease_s + 3.0 * T_S

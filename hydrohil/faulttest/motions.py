@@ -1,0 +1,39 @@
+"""The two motions that the battery breaks: a swing in free space, and a force that rises and falls on the stiff plate."""
+
+import math
+
+from hydrohil.experiment.experiment import Experiment
+from hydrohil.services.controller.config import ControllerConfig, ImpedanceConfig, Segment
+from hydrohil.services.plant.params import Environment
+from hydrohil.thesis.chapter5 import PRELOAD_N, STIFF_ESTIMATE_N_PER_M, STIFF_N_PER_M, plate, sampled
+
+LONG_S = 60.0  # no trial of the battery reaches its end
+BIAS_S = 0.5  # short, so that many trials fit into a quarter of an hour
+SWING = Experiment(
+    name="battery-swing",
+    alias="battery-swing",
+    title="The up/down link swings in free space, its valve never at rest for long",
+    source="the battery",
+    duration_s=LONG_S,
+    plant=sampled(Environment())._replace(bias_s=BIAS_S),
+    controller=ControllerConfig(target="joint"),
+    reference=(Segment("q2", "sine", 0.0, LONG_S, 0.1, frequency_hz=0.5),),
+)
+PRESS = Experiment(
+    name="battery-press",
+    alias="battery-press",
+    title="A force from 50 to 250 N on the stiff plate, as in chapter 5 but five times as fast",
+    source="the battery",
+    duration_s=LONG_S,
+    plant=plate(STIFF_N_PER_M, PRELOAD_N)._replace(bias_s=BIAS_S),
+    controller=ControllerConfig(impedance=ImpedanceConfig(500.0, 50e3, 1.2, "net", STIFF_ESTIMATE_N_PER_M, True)),
+    reference=(
+        Segment("force", "step", amount=50.0),
+        Segment("force", "sine", 0.0, LONG_S, 100.0, frequency_hz=0.5, phase_rad=-math.pi / 2.0),
+    ),
+)
+
+
+def motion(number: int) -> Experiment:
+    """Free space and contact in turn."""
+    return PRESS if number % 2 else SWING

@@ -1,0 +1,76 @@
+"""Start orders and late joiners (row 29): the cell becomes ready and arms in any order; no current before."""
+
+import itertools
+import time
+from random import Random
+
+from hydrohil.cell import processes as cells
+from hydrohil.cell.session import arm, load
+from hydrohil.faulttest.motions import SWING
+from hydrohil.faulttest.observer import Observer, safe
+from hydrohil.faulttest.rig import Rig
+from hydrohil.faulttest.trial import Trial
+from hydrohil.shared.contract.topics import SERVICES
+from hydrohil.shared.transport.bus import Bus
+
+ORDERS = tuple(itertools.permutations(SERVICES))
+PAUSE_S = 0.3  # between two starts: long enough that a service waits for the next
+PATIENCE_S = 10.0
+PORTS = 4  # of the battery's own cell, whose neighbour this cell is
+
+
+def started_in_order(rig: Rig, dice: Random, number: int) -> Trial:
+    """The four services by hand, in one of the 24 orders; every order comes once before one comes again."""
+    order = Random(str(rig.place.cell)).sample(ORDERS, len(ORDERS))[number % len(ORDERS)]
+    place = rig.place._replace(cell=f"{rig.place.cell}-orders", port=rig.place.port + PORTS)
+    started: cells.Processes = {}
+    try:
+        for service in order:
+            started |= cells.start(place, (service,), with_parent=True, extra=rig.extra)
+            time.sleep(dice.uniform(0.0, PAUSE_S))
+        return _armed(place, started, order)
+    finally:
+        cells.stop(process.pid for process in started.values())
+
+
+def _armed(place: cells.Place, started: cells.Processes, order: tuple[str, ...]) -> Trial:
+    complete = time.monotonic()
+    with cells.operator_bus(place) as bus:
+        observer = Observer(bus)
+        cells.await_ready(place, bus, started)
+        load(bus, SWING, 0, "real", unqualified=True)
+        arm(bus)
+        seconds = time.monotonic() - complete
+        heard = observer.listen()
+        present = _comes(bus, "recorder")
+    unsafe = sum(not safe(sample) for sample in heard.samples)
+    dead = [service for service, process in started.items() if process.poll() is not None]
+    words = f"{', '.join(order)}: armed {seconds:.2f} s after the last start, {unsafe} samples with current before"
+    words += "" if present else "; the recorder does not answer"
+    return Trial(not dead and present and unsafe == 0, words + (f"; {', '.join(dead)} ended" if dead else ""), seconds)
+
+
+def _comes(bus: Bus, service: str) -> bool:
+    """Whether a service answers; the loop does not wait for the recorder, so it may still be starting."""
+    deadline = time.monotonic() + PATIENCE_S
+    while time.monotonic() < deadline:
+        if cells.statuses(bus, (service,)):
+            return True
+        time.sleep(0.05)
+    return False
+
+
+def rejoined(rig: Rig, dice: Random, number: int) -> Trial:
+    """One service ends and starts anew in a cell at rest: no current, and the cell arms again."""
+    service = SERVICES[number % len(SERVICES)]
+    rig.calm()
+    rig.observer.forget()
+    rig.processes[service].terminate()
+    rig.processes[service].wait()
+    time.sleep(dice.uniform(0.0, PAUSE_S))
+    rig.revive()
+    load(rig.bus, SWING, 0, "real", unqualified=True)
+    arm(rig.bus)
+    present = _comes(rig.bus, service)
+    unsafe = sum(not safe(sample) for sample in rig.observer.listen().samples)
+    return Trial(present and unsafe == 0, f"{service} started anew: armed again, {unsafe} samples with current")

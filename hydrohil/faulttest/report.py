@@ -1,0 +1,95 @@
+"""All that the battery found, as data: for the page, the JUnit file, and a machine."""
+
+import json
+import math
+from typing import Any, NamedTuple
+
+from hydrohil.faulttest.tally import FAILED, HELD, UNTRIED, Result, Tried, counts
+from hydrohil.faulttest.trial import Trial
+from hydrohil.shared.host.process import EXIT_CLAIM, EXIT_OK
+
+
+class Report(NamedTuple):
+    """Every row, and how it was made."""
+
+    results: tuple[Result, ...]
+    trials: int
+    seed: int
+    lease_ms: float  # NaN: no cell was needed
+    interrupted: bool
+    source_version: str
+    made: str  # date and time
+    duration_s: float
+    machine: str
+    command: str
+    begun_again: tuple[str, ...]  # trials that ended by themselves before their fault
+
+    @property
+    def exit_status(self) -> int:
+        """1 if a fault was not survived."""
+        return EXIT_CLAIM if any(result.verdict == FAILED for result in self.results) else EXIT_OK
+
+    @property
+    def headline(self) -> str:
+        """How many rows held, failed, were not tried."""
+        found = counts(self.results)
+        told = f"{found[HELD]} of {len(self.results)} faults survived"
+        told += f", {found[FAILED]} NOT" if found[FAILED] else ""
+        return told + (f", {found[UNTRIED]} not tried" if found[UNTRIED] else "")
+
+
+def milliseconds(seconds: float) -> str:
+    """A tenth of a millisecond; a dash where there is nothing."""
+    return f"{1000.0 * seconds:.1f}" if math.isfinite(seconds) else "-"
+
+
+def amount(value: float) -> str:
+    """Three digits; a dash where there is nothing."""
+    return f"{value:.3g}" if math.isfinite(value) else "-"
+
+
+def first_failure(tried: Tried) -> str:
+    """What happened in the first trial that did not hold."""
+    return next((trial.words for trial in tried.trials if not trial.held), tried.why)
+
+
+def to_json(report: Report) -> str:
+    """The report for a machine."""
+    told = {
+        name: value if not isinstance(value, float) else _number(value)
+        for name, value in report._asdict().items()
+        if name != "results"
+    }
+    told |= {"exit_status": report.exit_status, "rows": [_row(result) for result in report.results]}
+    return json.dumps(told, indent=2, allow_nan=False) + "\n"
+
+
+def _row(result: Result) -> dict[str, Any]:
+    row = result.row
+    return {
+        "number": row.number,
+        "fault": row.fault,
+        "must": row.must,
+        "bound": row.bound,
+        "verdict": result.verdict,
+        "ways": [_way(tried) for tried in result.tried],
+    }
+
+
+def _way(tried: Tried) -> dict[str, Any]:
+    return {
+        "way": tried.way.letter,
+        "words": tried.way.words,
+        "verdict": tried.verdict,
+        "why": tried.why or None,
+        "trials": [_trial(trial) for trial in tried.trials],
+    }
+
+
+def _trial(trial: Trial) -> dict[str, Any]:
+    plain = {name: _number(value) if isinstance(value, float) else value for name, value in trial._asdict().items()}
+    return plain | {"hops": dict(trial.hops)}
+
+
+def _number(value: float) -> float | None:
+    return value if math.isfinite(value) else None

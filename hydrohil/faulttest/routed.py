@@ -1,0 +1,155 @@
+"""A router killed or frozen (row 7): its cell becomes safe while nobody hears it; a mesh beside a router runs on.
+
+While the router is dead no word of the plant reaches an observer. So the plant is asked afterwards: its status dates the gate's
+last cut, on its own grid and by the clock that all processes of one host share. Had the gate opened again and been cut later,
+the last cut would be late. Every sample of after the cut that is ever heard must be safe.
+"""
+
+import os
+import signal
+import subprocess
+import time
+from collections.abc import Iterator
+from contextlib import contextmanager
+from random import Random
+from statistics import median
+from types import TracebackType
+from typing import Any, NamedTuple
+
+from hydrohil.cell.processes import CellError
+from hydrohil.faulttest.motions import motion
+from hydrohil.faulttest.observer import STEADY, Heard, hops, moved, safe, since
+from hydrohil.faulttest.processes import FROZEN_S, WATCHED_S, confirmed, period_s
+from hydrohil.faulttest.rig import Rig
+from hydrohil.faulttest.trial import Trial
+from hydrohil.shared.contract.codec import Received
+from hydrohil.shared.contract.messages import GateState
+from hydrohil.shared.host.child import environment, python_module
+from hydrohil.shared.transport.endpoints import LOOPBACK, Network
+from hydrohil.shared.units import NS_PER_S
+
+PORTS = 16  # beside the battery's other cells
+RETURN_S = 10.0
+
+
+class Router:
+    """A router's process, started again when it is killed."""
+
+    def __init__(self, endpoint: str, options: list[str]) -> None:
+        """It listens at `endpoint`."""
+        self._line = [
+            *python_module("hydrohil.services.router"),
+            "--listen",
+            endpoint,
+            "--with-parent",
+            str(os.getpid()),
+            *options,
+        ]
+
+    def start(self) -> None:
+        """A new process; returns when it listens. Raises CellError."""
+        self.process = subprocess.Popen(self._line, env=environment(), stdin=subprocess.DEVNULL, stdout=subprocess.PIPE)
+        assert self.process.stdout is not None
+        if not self.process.stdout.readline():
+            raise CellError(f"the router ended with status {self.process.wait()}")
+
+    def kill(self) -> None:
+        """SIGKILL; returns when it is gone."""
+        self.process.kill()
+        self.process.wait()
+
+    def __enter__(self) -> "Router":
+        """Start."""
+        self.start()
+        return self
+
+    def __exit__(self, kind: type[BaseException] | None, error: BaseException | None, trace: TracebackType | None) -> None:
+        """Gone, also if it is frozen."""
+        self.kill()
+
+
+def _router(rig: Rig) -> Router:
+    return Router(_endpoint(rig), list(rig.extra.get("controller", ())))
+
+
+def _endpoint(rig: Rig) -> str:
+    return f"tcp/{LOOPBACK}:{rig.place.port + PORTS}"
+
+
+@contextmanager
+def _routed(rig: Rig) -> Iterator[tuple[Router, Rig]]:
+    """A cell around a router of its own."""
+    place = rig.place._replace(cell=f"{rig.place.cell}-routed", network=Network(router=_endpoint(rig)))
+    with _router(rig) as router, Rig(place, rig.extra, rig.say) as cell:
+        yield router, cell
+
+
+def router_struck(rig: Rig, dice: Random, number: int, how: signal.Signals) -> Trial:
+    """SIGKILL or SIGSTOP of the router while the valves move; it returns, then the cell is watched."""
+    experiment = motion(number)
+    with _routed(rig) as (router, cell):
+        cell.moving(experiment, dice)
+        burned, lease_s = int(cell.status("plant")["burned_armings"]), cell.lease_s()
+        bound_s = lease_s + period_s(experiment)
+        cell.observer.listen()
+        blow_ns = time.monotonic_ns()
+        router.process.send_signal(how)
+        cell.observer.listen_for(bound_s + dice.uniform(*FROZEN_S))
+        returned_ns = time.monotonic_ns()
+        if how == signal.SIGSTOP:
+            router.process.send_signal(signal.SIGCONT)
+        else:
+            router.kill()
+            router.start()
+        cell.await_(lambda: len(since(cell.observer.listen().samples, returned_ns)) > STEADY, "word of the plant", RETURN_S)
+        heard = cell.observer.listen_for(WATCHED_S)
+        trial = told(heard, blow_ns, cut_of(cell.status("plant")), bound_s)
+        return confirmed(cell, trial, burned, tripped=True)
+
+
+class Cut(NamedTuple):
+    """When the gate was last cut, by the plant's own word; 0: in this trial it was not."""
+
+    grid_ns: int
+    clock_ns: int
+
+
+def cut_of(status: dict[str, Any]) -> Cut:
+    """From the plant's status."""
+    return Cut(int(status["last_cut_ns"]), int(status["last_cut_clock_ns"]))
+
+
+def told(heard: Heard, blow_ns: int, cut: Cut, bound_s: float) -> Trial:
+    """What the plant's own word and the samples around the silence say of one blow.
+
+    By what the cut is later against the grid than samples before the blow were, the plant overslept between.
+    """
+    before = [late_ns(sample) for sample in heard.samples if sample.arrival_ns < blow_ns][-STEADY:]
+    after = [sample for sample in heard.samples if sample.body.time_ns > cut.grid_ns]
+    if not before or not after or cut.clock_ns < blow_ns:
+        return Trial(False, "the gate was not cut after the blow", bound_s=bound_s)
+    stood_s = max(0.0, cut.clock_ns - cut.grid_ns - median(before)) / NS_PER_S
+    unsafe = sum(not safe(sample) for sample in after)
+    words = f"{len(after)} samples heard of after the cut, {unsafe} of them with current"
+    way_mm, force_n = moved(heard, blow_ns)
+    reaction_s = (cut.clock_ns - blow_ns) / NS_PER_S
+    trial = Trial(unsafe == 0, words, reaction_s, bound_s, stood_s, way_mm, force_n, hops(heard, cut.clock_ns))
+    return trial if trial.in_time else trial._replace(held=False, words=f"zero current too late; {words}")
+
+
+def late_ns(sample: Received) -> int:
+    """Arrival against the plant's grid."""
+    return sample.arrival_ns - int(sample.body.time_ns)
+
+
+def mesh_runs_on(rig: Rig, dice: Random, number: int) -> Trial:
+    """A router beside the battery's own cell, which is a mesh, is killed: the trial goes on."""
+    with _router(rig) as router:
+        rig.moving(motion(number), dice)
+        blow_ns = time.monotonic_ns()
+        router.kill()
+        heard = rig.observer.listen_for(WATCHED_S)
+    cut = [event for event in since(heard.gates, blow_ns) if event.body.state == GateState.BURNED]
+    after = since(heard.samples, blow_ns)
+    open_still = bool(after) and after[-1].body.gate == GateState.OPEN
+    return Trial(open_still and not cut, f"{len(after)} samples in {WATCHED_S:g} s after the kill; {rig.words()}")

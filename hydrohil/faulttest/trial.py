@@ -1,0 +1,74 @@
+"""What one trial of one fault showed, and the ways in which a fault can be tried."""
+
+import math
+from collections.abc import Callable
+from random import Random
+from typing import TYPE_CHECKING, NamedTuple
+
+if TYPE_CHECKING:
+    from hydrohil.faulttest.rig import Rig
+
+
+class Trial(NamedTuple):
+    """One fault, once."""
+
+    held: bool
+    words: str  # what happened, for whoever reads a failure
+    reaction_s: float = math.nan  # from the blow to zero current, or whatever the row bounds; NaN = nothing to time
+    bound_s: float = math.nan  # what it must not exceed; NaN = the row bounds no time
+    stalled_s: float = 0.0  # of the reaction: the host stopped the plant itself, whose grid and machine stood still
+    moved_mm: float = math.nan  # largest way of the tip from where it was at the blow
+    force_n: float = math.nan  # largest change of the contact force since the blow
+    hops: tuple[tuple[str, float], ...] = ()  # name and ms of each hop at the trip
+
+    @property
+    def in_time(self) -> bool:
+        """Whether the reaction, where one is bounded, kept its bound; a NaN reaction under a bound did not."""
+        return math.isnan(self.bound_s) or self.reaction_s - self.stalled_s <= self.bound_s
+
+
+class Proved(NamedTuple):
+    """P: tests that state the property; named by their pytest node ids."""
+
+    words: str
+    tests: tuple[str, ...]
+    letter: str = "P"  # or "W": those tests start real processes on the wall clock
+
+
+class Played(NamedTuple):
+    """L: a trial on the local clock, exact to the tick."""
+
+    words: str
+    trial: Callable[[int], Trial]  # of a seed
+    letter: str = "L"
+    most: int = 5  # trials; more seeds show nothing new
+
+
+class Lived(NamedTuple):
+    """W: real processes, the wall clock, a random phase. L: the same processes in lockstep, exact to the tick."""
+
+    words: str
+    trial: Callable[["Rig", Random, int], Trial]  # of the rig, its dice, and which trial this is
+    letter: str = "W"
+    most: int = 1000
+    whole: bool = True  # needs the battery's cell; False: it makes its own
+
+
+class Untried(NamedTuple):
+    """Nothing is tried, and this is why; never counted as survived."""
+
+    words: str
+    letter: str = "-"
+
+
+Way = Proved | Played | Lived | Untried
+
+
+class Row(NamedTuple):
+    """One fault of the matrix."""
+
+    number: str
+    fault: str
+    must: str  # what must happen
+    bound: str  # in leases and sample periods T
+    ways: tuple[Way, ...]

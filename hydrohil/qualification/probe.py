@@ -1,0 +1,113 @@
+"""`python -m hydrohil.qualification.probe`: one measurement in a process of its own, so that its scheduling class is its own.
+
+It prints a line of JSON, and ends with the process that started it, however that ends.
+"""
+
+import argparse
+import json
+import os
+import signal
+import subprocess
+import sys
+from typing import Any, NamedTuple
+
+from hydrohil.cell.processes import CellError, Place
+from hydrohil.qualification import transport
+from hydrohil.qualification.spread import spread
+from hydrohil.qualification.wakeups import cyclictest, lateness_us, nanosleep_lateness_us
+from hydrohil.shared.host.child import environment, python_module
+from hydrohil.shared.host.process import DEFAULT_CELL, EXIT_OK, EXIT_TRANSPORT
+from hydrohil.shared.host.realtime import Granted, claim, die_with_parent
+from hydrohil.shared.transport.bus import DEFAULT_PORT, BusError
+from hydrohil.shared.units import NS_PER_S
+
+
+class Asked(NamedTuple):
+    """What is to be measured, how often and for how long."""
+
+    place: Place
+    period_ns: int
+    seconds: float
+    realtime: bool
+
+    @property
+    def times(self) -> int:
+        """How many times."""
+        return max(1, int(self.seconds * NS_PER_S / self.period_ns))
+
+
+def wake_ups(asked: Asked) -> dict[str, Any]:
+    """Lateness of every wake-up in us, and what the host granted."""
+    return _measured("wakeups", asked)
+
+
+def limit(asked: Asked) -> dict[str, Any]:
+    """Spread of the machine's own wake-ups in us, and who measured it."""
+    return _measured("limit", asked)
+
+
+def ping(asked: Asked) -> dict[str, Any]:
+    """Every round trip in us, and how many came not back."""
+    return _measured("ping", asked)
+
+
+def _measured(what: str, asked: Asked) -> dict[str, Any]:
+    """What the process told. Raises CellError with its last words."""
+    line = [*python_module("hydrohil.qualification.probe"), what, "--parent", str(os.getpid())]
+    line += ["--cell", asked.place.cell, "--port", str(asked.place.port)]
+    line += ["--period-ns", str(asked.period_ns), "--seconds", str(asked.seconds)]
+    line += [] if asked.realtime else ["--no-realtime"]
+    with subprocess.Popen(line, env=environment(), stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True) as child:
+        try:
+            told, words = child.communicate()
+        finally:
+            child.terminate()
+    if child.returncode:
+        raise CellError((words.strip().splitlines() or [f"the measurement of {what} ended with {child.returncode}"])[-1])
+    values: dict[str, Any] = json.loads(told)
+    return values
+
+
+def _measure(what: str, asked: Asked, granted: Granted) -> dict[str, Any]:
+    if what == "wakeups":
+        return {"us": lateness_us(asked.period_ns, asked.times), "granted": granted._asdict()}
+    if what == "limit":
+        made = cyclictest(asked.period_ns, asked.times, fifo=granted.fifo)
+        if made is not None:
+            return {"us": list(made.us), "by": made.by}
+        return {"us": list(spread(nanosleep_lateness_us(asked.period_ns, asked.times))), "by": "clock_nanosleep"}
+    options = [] if asked.realtime else ["--no-realtime"]
+    line = transport.echo_line("hydrohil.qualification.probe", asked.place, [*options, "--parent", str(os.getpid())])
+    us, lost = transport.ping(asked.place, asked.period_ns, asked.times, line)
+    return {"us": us, "lost": lost}
+
+
+def main(arguments: list[str] | None = None) -> int:
+    """Measure, print; returns the exit status."""
+    line = argparse.ArgumentParser(prog="python -m hydrohil.qualification.probe", description=__doc__)
+    line.add_argument("what", choices=("wakeups", "limit", "ping", "echo"))
+    line.add_argument("--parent", type=int, required=True, help="end when this process ends")
+    line.add_argument("--cell", default=DEFAULT_CELL)
+    line.add_argument("--port", type=int, default=DEFAULT_PORT)
+    line.add_argument("--period-ns", type=int, default=4_500_000)
+    line.add_argument("--seconds", type=float, default=1.0)
+    line.add_argument("--no-realtime", action="store_true")
+    given = line.parse_args(arguments)
+    signal.signal(signal.SIGTERM, lambda *_: sys.exit(EXIT_TRANSPORT))  # so that nothing that was started is left
+    if not die_with_parent(given.parent):
+        return EXIT_OK
+    granted = claim(realtime=not given.no_realtime)
+    asked = Asked(Place(given.cell, given.port), given.period_ns, given.seconds, not given.no_realtime)
+    try:
+        if given.what == "echo":
+            transport.echo(asked.place)
+        else:
+            print(json.dumps(_measure(given.what, asked, granted)))
+    except (BusError, OSError) as error:
+        print(error, file=sys.stderr)
+        return EXIT_TRANSPORT
+    return EXIT_OK
+
+
+if __name__ == "__main__":
+    sys.exit(main())

@@ -1,0 +1,49 @@
+"""One HTML page with everything in it: nothing is loaded from elsewhere."""
+
+from itertools import groupby
+
+from jinja2 import Environment, PackageLoader
+
+from hydrohil.claims.claims import band
+from hydrohil.claims.pairs import PairClaim
+from hydrohil.reproduction import formatting as words
+from hydrohil.reproduction.explanations import explanation
+from hydrohil.reproduction.parameters import differences
+from hydrohil.reproduction.plan import CHAPTERS, Figure
+from hydrohil.reproduction.report import Report
+from hydrohil.reproduction.tally import ENOUGH_PERCENT, Result, Tally, failures
+
+
+def page(report: Report) -> str:
+    """The page's text."""
+    environment = Environment(loader=PackageLoader("reproduction", ""), autoescape=True, trim_blocks=True)
+    by_chapter = groupby(report.results, key=lambda made: made.figure.chapter)
+    return environment.get_template("page.html").render(
+        report=report,
+        rows=[*report.counts, report.total],
+        enough=ENOUGH_PERCENT,
+        chapters=[(CHAPTERS[chapter], list(results)) for chapter, results in by_chapter],
+        present={made.figure.name for made in report.results},
+        failures=failures(report.results),
+        compared=[(r.figure, one) for r in report.results for one in r.tallies if isinstance(one.claim, PairClaim)],
+        heading=heading,
+        why=_why,
+        parameters=differences,
+        band=band,
+        measured=words.measured,
+        verdict=words.verdict,
+        duration=words.duration,
+        number=words.number,
+    )
+
+
+def heading(figure: Figure) -> str:
+    """`Figure 5-9, 5-10`, or the name of what has no number."""
+    names = (figure.name, *figure.also)
+    if not all(name.startswith("fig-") for name in names):
+        return figure.name
+    return "Figure " + ", ".join(name.removeprefix("fig-") for name in names)
+
+
+def _why(made: Result, one: Tally) -> str:
+    return explanation(made.figure.name, one.claim.statement)

@@ -1,0 +1,134 @@
+"""Verdicts over seeds: how often a claim holds, its mean and spread, and counts per chapter."""
+
+import math
+from collections.abc import Iterable, Sequence
+from typing import NamedTuple
+
+import numpy as np
+
+from hydrohil.claims.claims import Stated, Verdict
+from hydrohil.pages.drawing import Drawing
+from hydrohil.reproduction.explanations import explanation
+from hydrohil.reproduction.plan import CHAPTERS, Figure
+from hydrohil.reproduction.play import Found
+from hydrohil.shared.host.process import EXIT_CLAIM, EXIT_OK, EXIT_TRANSPORT, EXIT_TRIPPED
+
+ENOUGH_PERCENT = 95  # of the seeds
+
+
+class Tally(NamedTuple):
+    """One claim over its seeds."""
+
+    claim: Stated
+    measured: tuple[float, ...]  # one a seed, in the claim's unit; NaN where the trial does not determine it
+    held: int
+
+    @property
+    def seeds(self) -> int:
+        """In how many seeds it was judged."""
+        return len(self.measured)
+
+    @property
+    def holds(self) -> bool:
+        """In 95 % of the seeds, which of fewer than twenty is in all."""
+        return 100 * self.held >= ENOUGH_PERCENT * self.seeds
+
+    @property
+    def determined(self) -> tuple[float, ...]:
+        """What was measured where there was something to measure."""
+        return tuple(value for value in self.measured if math.isfinite(value))
+
+    @property
+    def mean(self) -> float:
+        """Over the seeds that determine it."""
+        return float(np.mean(self.determined)) if self.determined else math.nan
+
+    @property
+    def spread(self) -> float:
+        """Standard deviation over the seeds that determine it."""
+        return float(np.std(self.determined)) if self.determined else math.nan
+
+
+class Result(NamedTuple):
+    """One figure over its seeds."""
+
+    figure: Figure
+    tallies: tuple[Tally, ...]
+    drawings: tuple[Drawing, ...]  # of the first seed
+    tripped: tuple[str, ...]
+    gaps: tuple[str, ...]
+
+
+class Count(NamedTuple):
+    """How many claims hold."""
+
+    title: str
+    figures: int
+    claims: int
+    hold: int
+
+    @property
+    def fail(self) -> int:
+        """How many do not."""
+        return self.claims - self.hold
+
+
+class Failure(NamedTuple):
+    """A claim that does not hold, and why; "" is unexplained."""
+
+    figure: Figure
+    tally: Tally
+    why: str
+
+
+def tally(verdicts: Sequence[Verdict]) -> Tally:
+    """One claim's verdicts, one a seed."""
+    return Tally(verdicts[0].claim, tuple(float(v.measured) for v in verdicts), sum(bool(v.holds) for v in verdicts))
+
+
+def result(figure: Figure, found: Sequence[tuple[int, Found]], drawings: tuple[Drawing, ...]) -> Result:
+    """`found` holds what each seed shows; a figure computed from no trial is the same in all and counts once."""
+    by_statement: dict[str, list[Verdict]] = {}
+    for _, seen in found:
+        for verdict in seen.verdicts:
+            by_statement.setdefault(verdict.claim.statement, []).append(verdict)
+    tripped = tuple(f"seed {seed}: {seen.tripped}" for seed, seen in found if seen.tripped)
+    gaps = tuple(f"seed {seed}: {seen.gap}" for seed, seen in found if seen.gap)
+    return Result(figure, tuple(tally(verdicts) for verdicts in by_statement.values()), drawings, tripped, gaps)
+
+
+def counts(results: Iterable[Result]) -> tuple[Count, ...]:
+    """One row a chapter, in their order."""
+    chapters: dict[str, list[Result]] = {}
+    for made in results:
+        chapters.setdefault(made.figure.chapter, []).append(made)
+    return tuple(_count(CHAPTERS[chapter], of) for chapter, of in chapters.items())
+
+
+def total(results: Sequence[Result]) -> Count:
+    """Over all chapters."""
+    return _count("all", results)
+
+
+def _count(title: str, results: Sequence[Result]) -> Count:
+    tallies = [made for of in results for made in of.tallies]
+    return Count(title, len(results), len(tallies), sum(made.holds for made in tallies))
+
+
+def failures(results: Iterable[Result]) -> tuple[Failure, ...]:
+    """Every claim that does not hold, with the best explanation."""
+    return tuple(
+        Failure(made.figure, one, explanation(made.figure.name, one.claim.statement))
+        for made in results
+        for one in made.tallies
+        if not one.holds
+    )
+
+
+def exit_status(results: Sequence[Result]) -> int:
+    """3 a trial tripped, 5 a trial has gaps, 1 a claim does not hold, 0 all hold."""
+    if any(made.tripped for made in results):
+        return EXIT_TRIPPED
+    if any(made.gaps for made in results):
+        return EXIT_TRANSPORT
+    return EXIT_CLAIM if failures(results) else EXIT_OK

@@ -1,0 +1,42 @@
+"""Every experiment that ships, by name and by alias."""
+
+from functools import cache
+
+from hydrohil.claims.pairs import PairClaim
+from hydrohil.experiment.errors import ExperimentError
+from hydrohil.experiment.experiment import Experiment
+from hydrohil.shared.contract.assignments import nearest
+from hydrohil.thesis import appendix, beyond_impedance, beyond_position, beyond_stiffness, chapter4, chapter5, chapter6, chapter7
+
+_CHAPTERS = (chapter4, chapter5, chapter6, chapter7, appendix, beyond_position, beyond_impedance, beyond_stiffness)
+
+
+@cache
+def catalogue() -> tuple[Experiment, ...]:
+    """All experiments in the order of the thesis."""
+    return tuple(experiment for chapter in _CHAPTERS for experiment in chapter.EXPERIMENTS)
+
+
+@cache
+def pairs() -> tuple[PairClaim, ...]:
+    """All claims about two trials at once."""
+    return tuple(claim for chapter in _CHAPTERS for claim in chapter.PAIRS)
+
+
+SECOND_FIGURES = {"fig-5-10": "fig-5-9", "fig-5-12": "fig-5-11"}  # history plots of a trial that is named after its motion plot
+
+
+@cache
+def _index() -> dict[str, Experiment]:
+    named = {experiment.name: experiment for experiment in catalogue()}
+    second = {figure: named[name] for figure, name in SECOND_FIGURES.items()}
+    return {**{experiment.alias: experiment for experiment in catalogue()}, **second, **named}
+
+
+def find(name_or_alias: str) -> Experiment:
+    """The experiment of that name, alias or second figure. Raises ExperimentError with the nearest names."""
+    known = _index()
+    if name_or_alias not in known:
+        hint = nearest(name_or_alias, known, "those that `hydrohil list` shows")
+        raise ExperimentError([f"{name_or_alias} is no experiment: use one of {hint}"])
+    return known[name_or_alias]

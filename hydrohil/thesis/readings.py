@@ -1,0 +1,28 @@
+"""How the words and numbers of a source are read as bands: once, the same for every study, as in `hydrohil.thesis.claims4`."""
+
+from hydrohil.claims.claims import Unit, Verdict, verdict
+from hydrohil.claims.study import Statement
+
+TENTH = 0.1  # "good", "closely", "large", "appreciable", "much", "near zero" are told from the rest at a tenth
+HALF = 0.5  # "clearly visible", "greatly": at least half
+
+
+def about(words: str, unit: Unit, number: float, share: float, measured: float, source: str) -> Verdict:
+    """`measured` within `share` of a stated number."""
+    reach = abs(number) * share
+    return verdict(Statement(words, "within", unit, number - reach, number + reach, source), measured)
+
+
+def printed(words: str, unit: Unit, number: float, digit: float, measured: float, source: str) -> Verdict:
+    """`measured` rounds to the printed number, whose last digit is worth `digit`."""
+    return verdict(Statement(words, "within", unit, number - digit / 2.0, number + digit / 2.0, source), measured)
+
+
+def above(words: str, unit: Unit, low: float, measured: float, source: str) -> Verdict:
+    """`measured` is `low` or more."""
+    return verdict(Statement(words, "above", unit, low=low, source=source), measured)
+
+
+def below(words: str, unit: Unit, high: float, measured: float, source: str) -> Verdict:
+    """`measured` is `high` or less."""
+    return verdict(Statement(words, "below", unit, high=high, source=source), measured)

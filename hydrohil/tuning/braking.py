@@ -1,0 +1,99 @@
+"""Step 6 of Appendix C: the braking gain K_a of the final law, on the ramp and the sine."""
+
+import math
+from typing import NamedTuple
+
+import numpy as np
+
+from hydrohil.services.controller.params import LinkGains
+from hydrohil.tuning import measure
+from hydrohil.tuning.bench import Bench, Step, a_per_printed, play, rad_per_unit, unit
+from hydrohil.tuning.patterns import pattern
+
+SHARES = (0.0, *(2.0 ** (power / 2.0) for power in range(-6, 3)))  # K_a over the current that holds the ramp per its speed
+WIDER = 2.0**0.5  # beyond them, as long as the error falls
+MOST_SHARE = 32.0
+FINE = (2.0**-0.25, 2.0**0.25)  # about the best of those
+
+
+class Braked(NamedTuple):
+    """One K_a: median errors of the fastest ramp and the sine, the ramp's overshoot, and the sine's large swings."""
+
+    ka_a_s_per_rad: float
+    ramp_rad: float
+    sine_rad: float
+    overshoot_rad: float
+    swing: float
+
+
+def judge(bench: Bench, gains: LinkGains, value: float) -> Braked:
+    """Play ramp and sine under the final law; errors are infinite if a trial trips."""
+    link, tried = bench.link, gains._replace(ka_a_s_per_rad=value)
+    ramp, sine = pattern("large-ramp", link, gains), pattern("sine", link, gains)
+    ramped, waved = play(bench, "final", tried, ramp), play(bench, "final", tried, sine)
+    if ramped is None or waved is None:
+        return Braked(value, math.inf, math.inf, math.inf, math.inf)
+    return Braked(
+        value,
+        float(np.median([measure.rms_error_rad(trace, link) for trace in ramped])),
+        float(np.median([measure.rms_error_rad(trace, link) for trace in waved])),
+        float(np.median([measure.overshoot_rad(trace, link, ramp) for trace in ramped])),
+        float(np.median([measure.large_swings(trace, link) for trace in waved])),
+    )
+
+
+def cost(one: Braked, without: Braked) -> float:
+    """Mean of both errors, each over what it is without braking: ramp and sine count alike."""
+    return 0.5 * (one.ramp_rad / without.ramp_rad + one.sine_rad / without.sine_rad)
+
+
+def holding_current_a(bench: Bench, gains: LinkGains) -> float:
+    """Current that holds the fastest ramp's speed: the integral that braking has to take back."""
+    ramp = pattern("large-ramp", bench.link, gains)
+    traces = play(bench, "vetia", gains, ramp) or ()
+    return float(np.median([measure.cruise_current_a(trace, bench.link, ramp) for trace in traces])) if traces else math.nan
+
+
+def braking(bench: Bench, gains: LinkGains) -> Step:
+    """Step 6: the K_a with the least error on ramp and sine."""
+    natural = holding_current_a(bench, gains) / gains.qd_max_rad_per_s
+    tried = tuple(judge(bench, gains, share * natural) for share in SHARES) if math.isfinite(natural) else ()
+    if not tried or not math.isfinite(tried[0].ramp_rad):
+        return braking_step(bench, gains, tried, None)
+    while best_of(tried) is tried[-1] and tried[-1].ka_a_s_per_rad * WIDER <= MOST_SHARE * natural:
+        tried += (judge(bench, gains, tried[-1].ka_a_s_per_rad * WIDER),)
+    middle = best_of(tried).ka_a_s_per_rad
+    tried += tuple(judge(bench, gains, share * middle) for share in FINE if middle > 0.0)
+    return braking_step(bench, gains, tried, best_of(tried))
+
+
+def best_of(tried: tuple[Braked, ...]) -> Braked:
+    """The least cost; the first tried is without braking."""
+    return min(tried, key=lambda one: cost(one, tried[0]))
+
+
+def braking_step(bench: Bench, gains: LinkGains, tried: tuple[Braked, ...], best: Braked | None) -> Step:
+    """What step 6 makes of the values tried."""
+    printed, scale, name = a_per_printed(bench.link), rad_per_unit(bench.link), unit(bench.link)
+    decision = "without braking the ramp or the sine trips under the final law"
+    if best is not None:
+        decision = f"{best.ka_a_s_per_rad / printed:.4g} mA s/{name}: errors {cost(best, tried[0]):.0%} of those without braking"
+    return Step(
+        6,
+        "braking acceleration: optimum K_a, final law",
+        "least error on the fastest ramp and the sine, each over its error without braking",
+        (f"K_a mA s/{name}", f"ramp rms {name}", f"sine rms {name}", "mean share", f"ramp over {name}", "sine swing"),
+        tuple(
+            (
+                o.ka_a_s_per_rad / printed,
+                o.ramp_rad / scale,
+                o.sine_rad / scale,
+                cost(o, tried[0]),
+                o.overshoot_rad / scale,
+                o.swing,
+            )
+            for o in sorted(tried)
+        ),
+        decision,
+        None if best is None else gains._replace(ka_a_s_per_rad=best.ka_a_s_per_rad),
+    )

@@ -1,0 +1,142 @@
+"""Parameters that an operator or the experiment changes while a trial runs: examined, begun at a sample, taken back after it."""
+
+from collections import deque
+from collections.abc import Iterator
+from typing import NamedTuple
+
+from hydrohil.services.controller.checks import examine
+from hydrohil.services.controller.config import ControllerConfig, Reference
+from hydrohil.services.controller.contact_environment import Surroundings
+from hydrohil.services.controller.parameter_change import Change, assigned, differences
+from hydrohil.services.controller.parameter_schedule import Course, at, follow, moves
+from hydrohil.services.controller.preflight import preflight
+from hydrohil.shared.contract.assignments import text_of
+from hydrohil.shared.contract.messages import NO_TRIAL, ParameterEvent
+from hydrohil.shared.contract.pose import Triple
+from hydrohil.shared.transport.requests import Request
+
+_REMEMBERED = 256
+
+
+class Loaded(NamedTuple):
+    """What a change must agree with: the rest of the experiment."""
+
+    course: Course
+    reference: Reference
+    q0_rad: Triple
+    pitch_rad: float
+    met: Surroundings
+    lockstep: bool
+
+
+class Wanted(NamedTuple):
+    """A change by hand that does not act yet."""
+
+    request: Request
+    after: ControllerConfig
+    examination: Iterator[None]
+
+
+class Parameters:
+    """The course of the loaded experiment's parameters through its trial."""
+
+    def __init__(self) -> None:
+        """No experiment is loaded."""
+        self.loaded: Loaded | None = None
+        self.course = Course(ControllerConfig())
+        self.busy = False  # the course has moved in this trial, or will: it is to be followed
+        self.by_hand: deque[ParameterEvent] = deque(maxlen=_REMEMBERED)  # since the load
+        self._wanted: Wanted | None = None  # under examination
+        self._found_right: Request | None = None  # acts at the next sample
+
+    def load(self, loaded: Loaded) -> None:
+        """Another experiment."""
+        self.loaded = loaded
+        self.by_hand.clear()
+        self._begin_anew()
+
+    def ask(self, request: Request, tick: int) -> None:
+        """Examine what an operator wants; the answer comes when it acts, or why it cannot."""
+        assignments = request.arguments.get("set")
+        if not isinstance(assignments, list) or not all(isinstance(text, str) for text in assignments):
+            return request.refuse("`set` is no list of path=value: send such as controller.law=pi")
+        if self.loaded is None:
+            return request.refuse("no experiment is loaded (`hydrohil run NAME` loads one)")
+        try:
+            self._refuse_now(self.loaded, tick)
+            after = assigned(self.course.target, assignments)
+        except ValueError as error:
+            return request.refuse(str(error))
+        _, reference, q0_rad, pitch_rad, met, _ = self.loaded
+        pushed = met if after.impedance != self.course.target.impedance else None  # else the load has found its push right
+        self._wanted = Wanted(request, after, examine(after, reference, q0_rad, pitch_rad, pushed))
+        self.busy = True
+        return None
+
+    def _refuse_now(self, loaded: Loaded, tick: int) -> None:
+        if tick == NO_TRIAL:
+            raise ValueError("no trial runs: give the value with the load (`hydrohil run NAME --set PATH=VALUE`)")
+        if loaded.lockstep:
+            raise ValueError("a lockstep trial runs, which must repeat itself: schedule the change in its section [[changes]]")
+        if loaded.course.waiting:
+            raise ValueError("the section [[changes]] of this trial decides what changes: schedule it there")
+        if self._wanted is not None or self._found_right is not None:
+            raise ValueError("another change does not act yet: ask again")
+
+    @property
+    def examines(self) -> bool:
+        """Whether something is being examined."""
+        return self._wanted is not None
+
+    def examine(self) -> None:
+        """One step of what is being examined; a change that is found right acts at the next sample."""
+        if self._wanted is None:
+            return
+        request, after, examination = self._wanted
+        try:
+            next(examination)
+        except StopIteration:
+            self._wanted, self._found_right = None, request
+            self.course = self.course._replace(waiting=((NO_TRIAL, after),))
+        except (ValueError, ArithmeticError) as error:
+            self._wanted = None
+            request.refuse(str(error))
+
+    def follow(self, number: int, tick: int, period_ns: int) -> tuple[Change | None, ControllerConfig | None]:
+        """The change that begins at this sample; and what acts, if it is not what acted at the one before."""
+        if tick == NO_TRIAL:
+            moved = self.course.change is not None
+            self._begin_anew()
+            return None, self.course.loaded if moved else None
+        self.course, change = follow(self.course, number, tick, period_ns)
+        return change, at(self.course, number) if moves(self.course, number) else None
+
+    def tell(self, change: Change, tick: int) -> tuple[ParameterEvent, ...]:
+        """The change as messages, a value each; whoever asked for it is answered with the same."""
+        request, self._found_right = self._found_right, None
+        ramp = change.last - change.first + 1
+        events = tuple(
+            ParameterEvent(change.first, tick, int(request is not None), path, text_of(old), text_of(new), ramp)
+            for path, old, new in differences(change.before, change.after)
+        )
+        if request is not None:
+            self.by_hand.extend(events)
+            changed = [{"path": event.path, "old": event.old, "new": event.new} for event in events]
+            warnings = list(preflight(change.after, self.loaded.met)) if self.loaded is not None else []
+            request.reply({"number": change.first, "ramp_samples": ramp, "changed": changed, "warnings": warnings})
+        return events
+
+    def changed(self) -> list[str]:
+        """For a status: what is not as it was loaded."""
+        found = differences(self.course.loaded, self.course.target)
+        return [f"{path} {text_of(old)} -> {text_of(new)}" for path, old, new in found]
+
+    def _begin_anew(self) -> None:
+        """The loaded values, and what the experiment schedules."""
+        for request in (self._found_right, self._wanted and self._wanted.request):
+            if request is not None:
+                request.refuse("the trial has ended before the change could act")
+        self._wanted = self._found_right = None
+        if self.loaded is not None:
+            self.course = self.loaded.course
+        self.busy = bool(self.course.waiting)

@@ -1,0 +1,37 @@
+"""Heralds: the last sample once more, shortly before the next, so that its way and what answers it have just been used."""
+
+import time
+
+from hydrohil.shared.contract.messages import Sample
+from hydrohil.shared.host.clock import Grid, sleep_until
+from hydrohil.shared.transport.bus import Bus
+
+LEADS_NS = (400_000, 200_000)  # before the sample: the first fetches what was displaced, the second finds it fetched
+SLOW = 6  # an answer is slow that comes after the sixth part of the time until the latch
+REST = 200  # samples without heralds once two answers in a row were slow: processors are short
+
+
+class Heralds:
+    """Sends them while there is time for it, and while whoever answers keeps up."""
+
+    def __init__(self, bus: Bus, grid: Grid, *, wanted: bool) -> None:
+        """None sent."""
+        self._bus, self._grid = bus, grid
+        self._wanted, self._resting, self._slow = wanted, 0, False
+        self.sent = 0
+
+    def send(self, due: int, last: Sample) -> None:
+        """Those of the sample that is due at sub-step `due`, each at its instant; one whose instant has passed is left out."""
+        if not self._wanted or self._resting:
+            return
+        for lead_ns in LEADS_NS:
+            instant_ns = self._grid.instant_ns(due) - lead_ns
+            if time.monotonic_ns() < instant_ns:
+                sleep_until(instant_ns)
+                self._bus.publish("plant/herald", last, (last.number, last.time_ns))
+                self.sent += 1
+
+    def heed(self, after_ns: int, latch_ns: int) -> None:
+        """How long after its sample an answer came; one that was not there at the latch took until then."""
+        before, self._slow = self._slow, after_ns * SLOW > latch_ns
+        self._resting = REST if self._slow and before else max(0, self._resting - 1)

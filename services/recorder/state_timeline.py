@@ -1,0 +1,82 @@
+"""Modes as lanes over time: which column of which message, and what its numbers are called. Written on change only."""
+
+from enum import IntEnum
+from typing import Any, NamedTuple
+
+import numpy as np
+from numpy.typing import NDArray
+
+from hydrohil.shared.contract.messages import ControllerState, GateCause, GateState, Mode, Permit, Sample, TripCause, Truth
+
+GREY, GREEN, AMBER, RED, BLUE, DIM = 0x6B7280FF, 0x2FA866FF, 0xE0A030FF, 0xD64545FF, 0x3F7FD0FF, 0x30343CFF
+
+
+class Label(NamedTuple):
+    """What a number is called and its colour (RGBA)."""
+
+    text: str
+    color: int
+
+
+class Lane(NamedTuple):
+    """One lane: entity, column of the message, label of each number."""
+
+    entity: str
+    title: str
+    column: str
+    labels: dict[int, Label]
+
+    def text(self, value: float) -> str:
+        """Label of a number; one that is not in the table is shown as it is."""
+        known = self.labels.get(int(value)) if value == value else None
+        return known.text if known else f"{value:g}"
+
+
+def _words(member: IntEnum) -> str:
+    return member.name.lower().replace("_", " ")
+
+
+def _named(members: type[IntEnum], colors: dict[int, int], other: int) -> dict[int, Label]:
+    return {int(m): Label(_words(m), colors.get(int(m), other)) for m in members}
+
+
+def _flag(on: str, off: str, color: int) -> dict[int, Label]:
+    return {0: Label(off, DIM), 1: Label(on, color)}
+
+
+_LINKS = ("rotate", "down_up", "out_in")
+_MODES = {Mode.ARMED: BLUE, Mode.RUNNING: GREEN, Mode.TRIPPED: RED, Mode.RECOVER: AMBER}
+_GATES = {GateState.OPEN: GREEN, GateState.BURNED: RED, GateState.RECOVERING: AMBER}
+
+LANES: dict[type, tuple[Lane, ...]] = {
+    Permit: (
+        Lane("state/1_supervisor", "supervisor", "mode", _named(Mode, {int(k): v for k, v in _MODES.items()}, GREY)),
+        Lane("state/2_trip", "trip", "cause", _named(TripCause, {0: DIM}, RED)),
+    ),
+    Sample: (
+        Lane("state/3_gate", "gate", "gate", _named(GateState, {int(k): v for k, v in _GATES.items()}, GREY)),
+        Lane("state/4_gate_cause", "gate cause", "gate_cause", _named(GateCause, {0: DIM}, AMBER)),
+    ),
+    ControllerState: (
+        Lane("state/5_envelope", "envelope", "clamped", _flag("clamped", "free", AMBER)),
+        *(Lane(f"state/6_boost_{n}", f"boost {n}", f"boosted[{i}]", _flag("boost", "off", BLUE)) for i, n in enumerate(_LINKS)),
+    ),
+    Truth: tuple(
+        Lane(f"state/7_stuck_{n}", f"stuck {n}", f"sticking[{i}]", _flag("stuck", "sliding", AMBER)) for i, n in enumerate(_LINKS)
+    ),
+}
+
+
+def changes(values: NDArray[np.float64], before: float | None) -> NDArray[np.int64]:
+    """Rows at which the value differs from the one before it; `before` None = the first row counts as one."""
+    if not len(values):
+        return np.empty(0, np.int64)
+    changed = np.empty(len(values), np.bool_)
+    changed[0] = before is None or values[0] != before
+    changed[1:] = values[1:] != values[:-1]
+    return np.flatnonzero(changed).astype(np.int64)
+
+
+def lanes(message: Any) -> tuple[Lane, ...]:
+    """Lanes drawn from a message class."""
+    return LANES.get(message, ())

@@ -1,0 +1,28 @@
+"""Values that stay where compiled code has them: a tuple that is passed to it is converted anew at each call, 0.1 us a number."""
+
+from typing import Any
+
+from hydrohil.shared.compiled.kernel import point_cache_at_sources
+
+point_cache_at_sources()  # before numba is imported, which looks only then
+
+import numba  # noqa: E402
+from numba.experimental import structref  # noqa: E402
+
+
+@structref.register
+class _Type(numba.types.StructRef):  # type: ignore[misc]
+    """What the compiler knows of it."""
+
+
+class Resident(structref.StructRefProxy):  # type: ignore[misc]
+    """One value, such as a tuple of parameters; compiled code reads it as `value`."""
+
+
+structref.define_proxy(Resident, _Type, ["value"])
+
+
+@numba.njit(cache=True)  # type: ignore[untyped-decorator]
+def resident(value: Any) -> Any:
+    """Convert `value` once."""
+    return Resident(value)

@@ -1,0 +1,44 @@
+"""How many of the last 100 samples were not answered in time: one bit a sample, in a window that slides."""
+
+from typing import NamedTuple
+
+from hydrohil.shared.compiled.kernel import kernel
+
+WINDOW = 100  # samples; two whole numbers of 50 bits each, so that neither ever reaches the sign
+_HALF = 50
+_FULL = 1 << _HALF
+
+
+class Answers(NamedTuple):
+    """The window, newest bit lowest; 1 = not answered in time."""
+
+    newer: int = 0
+    older: int = 0
+    missed: int = 0  # bits set
+    in_a_row: int = 0  # the newest of them without one in time between
+
+
+@kernel
+def answers_step(answers: Answers, lost: int, in_time: bool) -> Answers:
+    """One sample more, and the `lost` ones before it, of which nobody can say that they were answered."""
+    for _ in range(min(lost, WINDOW)):
+        answers = _shift(answers, 1)
+    return _shift(answers, 0 if in_time else 1)
+
+
+@kernel
+def _shift(answers: Answers, missed: int) -> Answers:
+    leaving = (answers.older >> (_HALF - 1)) & 1
+    carried = (answers.newer >> (_HALF - 1)) & 1
+    return Answers(
+        (answers.newer << 1) % _FULL + missed,
+        (answers.older << 1) % _FULL + carried,
+        answers.missed + missed - leaving,
+        (answers.in_a_row + 1) * missed,
+    )
+
+
+@kernel
+def quality(missed: int) -> float:
+    """Share of the window that was answered in time."""
+    return (WINDOW - missed) / WINDOW

@@ -1,0 +1,50 @@
+"""How late this host wakes a process: measured by a child that only sleeps, while its parent still loads and compiles."""
+
+import os
+import time
+
+from hydrohil.shared.host.clock import sleep_until
+from hydrohil.shared.host.realtime import claim, die_with_parent
+from hydrohil.shared.units import NS_PER_S
+
+_PERIOD_NS = 4_500_000  # the sampling period of the thesis
+
+
+def worst_lateness_ns(seconds: float) -> int:
+    """Worst wake-up of an absolute grid, in ns."""
+    worst_ns, due = 0, time.monotonic_ns()
+    end = due + int(seconds * NS_PER_S)
+    while due < end:
+        due += _PERIOD_NS
+        worst_ns = max(worst_ns, sleep_until(due))
+        due = max(due, time.monotonic_ns() - _PERIOD_NS)
+    return worst_ns
+
+
+class Probe:
+    """A child process that measures for a while and tells its worst."""
+
+    def __init__(self, seconds: float, *, realtime: bool) -> None:
+        """Fork; call it before anything starts a thread that the child would need."""
+        parent = os.getpid()
+        self._pipe, told = os.pipe()
+        os.set_blocking(self._pipe, False)
+        self._child = os.fork()
+        if self._child == 0:
+            try:
+                if die_with_parent(parent):
+                    claim(realtime=realtime)
+                    os.write(told, str(worst_lateness_ns(seconds)).encode())
+            finally:
+                os._exit(0)
+        os.close(told)
+
+    def result(self) -> int | None:
+        """The worst lateness in ns once the child has told it; a child that died told nothing: 0."""
+        try:
+            told = os.read(self._pipe, 32)
+        except BlockingIOError:
+            return None
+        os.close(self._pipe)
+        os.waitpid(self._child, 0)
+        return int(told) if told else 0

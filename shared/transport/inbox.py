@@ -1,0 +1,87 @@
+"""One topic's bounded ring between the transport, which fills it, and the step, which drains it."""
+
+import time
+from collections import deque
+from collections.abc import Callable
+from typing import Any
+
+from hydrohil.shared.contract.codec import Received, Rejected, decode
+from hydrohil.shared.contract.messages import NO_COMMAND
+from hydrohil.shared.contract.topics import Topic, expression
+from hydrohil.shared.transport.acceptance import Acceptance
+from hydrohil.shared.transport.impairment_queue import FOREVER_NS, Conditions, Detour, Passage
+from hydrohil.shared.transport.protection import Protection, ProtectionLimits
+
+RING = 64  # frames kept for one step; a ring of one would let a foreign frame push out a valid one
+
+
+class Inbox:
+    """One topic's bounded ring, filled by the transport and drained by the step."""
+
+    def __init__(self, topic: Topic, cell: str, depth: int, wake: Callable[[], None]) -> None:
+        """An empty ring of `depth` frames."""
+        self.topic, self.cell = topic, cell
+        self.acceptance = Acceptance()
+        self.protection = Protection(self.acceptance, ProtectionLimits())
+        self._key = expression(cell, topic.key)
+        self._ring: deque[tuple[int, bytes]] = deque(maxlen=depth)
+        self._wake = wake
+        self.detour: Detour | None = None  # transport faults, while any are loaded
+
+    def put(self, sample: Any) -> None:
+        """Transport's callback: stamp and append."""
+        self._ring.append((time.monotonic_ns(), sample.payload.to_bytes()))
+        self._wake()
+
+    def impair(self, conditions: Conditions) -> None:
+        """Let faults act on this topic, if any of `conditions` touches it; what is under way of the same load stays so."""
+        if self.detour is not None and self.detour.conditions is conditions:
+            return
+        self.detour = Detour(self.topic, conditions, self._decode) if conditions.touches(self.topic) else None
+
+    def peek(self) -> Received | Rejected | None:
+        """The newest frame, left where it is; for progress, never for control."""
+        try:
+            arrival_ns, frame = self._ring[-1]
+        except IndexError:
+            return None
+        return self._decode(frame, arrival_ns)
+
+    def drain(self, simulated_ns: int = FOREVER_NS) -> list[Received | Rejected]:
+        """Everything that has come, in order, decoded but not yet judged; faults in lockstep go by simulated time."""
+        frames = []
+        while self._ring:
+            arrival_ns, frame = self._ring.popleft()
+            message = self._decode(frame, arrival_ns)
+            if self.detour is None:
+                frames.append(message)
+            else:
+                self.detour.admit(frame, message, simulated_ns)
+        return frames if self.detour is None else self.detour.released(simulated_ns, time.monotonic_ns())
+
+    def take(self, simulated_ns: int = FOREVER_NS) -> list[Received]:
+        """Everything valid that has come, in order; the rest is counted in `acceptance`."""
+        return [taken for message in self.drain(simulated_ns) if (taken := self.acceptance.take(message)) is not None]
+
+    @property
+    def number(self) -> int:
+        """Sample that the newest frame taken is, answers or judges."""
+        return NO_COMMAND if self.acceptance.bound is None else self.acceptance.bound.echo_number
+
+    def passages(self) -> list[Passage]:
+        """Samples that arrived in lockstep since the last call and did not come as they should."""
+        if self.detour is None:
+            return []
+        passed, self.detour.passages = self.detour.passages, []
+        return passed
+
+    def arrived(self) -> int:
+        """Newest sample whose answer a fault holds or took; nobody waits for it."""
+        return NO_COMMAND if self.detour is None else self.detour.newest
+
+    def delay_ns(self, message: Received) -> int:
+        """Simulated time by which faults made `message` later than its sample."""
+        return 0 if self.detour is None else self.detour.delay_ns(message.header.echo_number)
+
+    def _decode(self, frame: bytes, arrival_ns: int) -> Received | Rejected:
+        return decode(self._key, self.topic, self.cell, frame, arrival_ns)

@@ -1,0 +1,131 @@
+"""The last seconds of every topic, always; and the moment at which they hold a trip with what came after it. Pure.
+
+A trip is a permit that turns TRIPPED, or a cut of the gate while an arming stood. Both of one trip are one report.
+"""
+
+from collections import defaultdict, deque
+from typing import Any, NamedTuple
+
+from hydrohil.shared.contract.codec import Received
+from hydrohil.shared.contract.messages import (
+    About,
+    GateCause,
+    GateEvent,
+    GateState,
+    Mode,
+    ParameterEvent,
+    Permit,
+    Reception,
+    Sample,
+)
+from hydrohil.shared.units import NS_PER_S
+
+KEPT_NS = 10 * NS_PER_S  # before the trip, by the samples' own time
+_SLACK_NS = NS_PER_S  # a topic that is read after another
+AFTER_NS = NS_PER_S // 2  # after it: the zero, and the machine's coming to rest
+PATIENCE_NS = NS_PER_S  # by the receiver's clock: a plant that is gone sends nothing after it
+_CHANGES = 256  # of a trial's parameters: the newest
+_DEEPEST = 16_384  # messages a topic, whatever their times say: 10 s at 1 kHz, and what comes after
+_JUDGED = (Sample, Permit, GateEvent)  # one by one; of the rest nothing is asked
+
+
+class Caught(NamedTuple):
+    """A trip with its surroundings."""
+
+    messages: dict[str, list[Received]]
+    about: About | None
+    receptions: dict[str, Reception]  # the newest of each receiver
+    changes: tuple[ParameterEvent, ...] = ()  # by hand, since the trial began, however long before
+
+
+class TripRing:
+    """Keeps messages; `caught` hands a trip over once."""
+
+    def __init__(self) -> None:
+        """Nothing heard."""
+        self.about: About | None = None
+        self._rings: defaultdict[str, deque[Received]] = defaultdict(lambda: deque(maxlen=_DEEPEST))
+        self._receptions: dict[str, Reception] = {}
+        self._changes: deque[ParameterEvent] = deque(maxlen=_CHANGES)
+        self._plant: int | None = None  # epoch
+        self._newest_ns = 0
+        self._permit: Received | None = None
+        self._tripped_ns: tuple[int, int] | None = None  # sample time and arrival of the trip that waits
+        self._done: list[Caught] = []
+
+    def take(self, *messages: Received) -> None:
+        """Messages of one topic."""
+        topic, kind = messages[0].topic, type(messages[0].body)
+        if kind is About or kind is Reception:
+            self._describe(messages[-1])
+        elif kind is ParameterEvent:
+            self._changes.extend(message.body for message in messages if message.body.by_hand)
+        else:
+            if kind in _JUDGED:
+                for message in messages:
+                    self._take(message)
+            else:
+                self._rings[topic].extend(messages)
+            self._forget(topic)
+
+    def _describe(self, message: Received) -> None:
+        if isinstance(message.body, About):
+            self.about = message.body
+        else:
+            self._receptions[message.header.sender] = message.body
+
+    def _take(self, message: Received) -> None:
+        body = message.body
+        if isinstance(body, Sample):
+            self._follow(message)
+        elif isinstance(body, Permit):
+            self._judge(message, body)
+            if body.mode == Mode.DISARMED and self._tripped_ns is None:
+                self._changes.clear()
+        self._rings[message.topic].append(message)
+        if isinstance(body, GateEvent) and body.state == GateState.BURNED and body.cause != GateCause.BURNED_ARMING:
+            self._trip(message)
+
+    def _forget(self, topic: str) -> None:
+        ring = self._rings[topic]
+        oldest_ns = (self._newest_ns if self._tripped_ns is None else self._tripped_ns[0]) - KEPT_NS - _SLACK_NS
+        while ring and ring[0].header.echo_time_ns < oldest_ns:
+            ring.popleft()
+
+    def caught(self, now_ns: int, *, at_once: bool = False) -> list[Caught]:
+        """Trips whose surroundings are complete, or have been waited for long enough."""
+        if self._tripped_ns is not None:
+            sample_ns, arrival_ns = self._tripped_ns
+            if at_once or self._newest_ns - sample_ns >= AFTER_NS or now_ns - arrival_ns >= PATIENCE_NS:
+                self._hand_over()
+        done, self._done = self._done, []
+        return done
+
+    def _follow(self, message: Received) -> None:
+        """The plant's time; another plant begins at its own start."""
+        if self._plant is not None and message.header.epoch != self._plant:
+            self._hand_over()
+            self._rings.clear()
+            self._newest_ns = 0
+        self._plant = message.header.epoch
+        self._newest_ns = max(self._newest_ns, message.body.time_ns)
+
+    def _judge(self, message: Received, permit: Permit) -> None:
+        before, self._permit = self._permit, message
+        if before is None or before.header.epoch != message.header.epoch:
+            return
+        if permit.mode == Mode.TRIPPED and permit.trip_number != before.body.trip_number:  # a release of RECOVER is the same trip
+            self._trip(message)
+        elif permit.mode == Mode.DISARMED:
+            self._hand_over()
+
+    def _trip(self, message: Received) -> None:
+        if self._tripped_ns is None:
+            self._tripped_ns = (message.header.echo_time_ns, message.arrival_ns)
+
+    def _hand_over(self) -> None:
+        if self._tripped_ns is None:
+            return
+        self._tripped_ns = None
+        messages: dict[str, list[Any]] = {topic: list(ring) for topic, ring in self._rings.items()}
+        self._done.append(Caught(messages, self.about, dict(self._receptions), tuple(self._changes)))

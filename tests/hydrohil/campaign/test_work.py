@@ -1,0 +1,52 @@
+"""Rows of trials: what is measured, and how it ended."""
+
+import pytest
+
+from hydrohil.campaign.trials import experiment_of, trial_of
+from hydrohil.campaign.work import Chunk, OtherSourcesError, chunks, row, work
+from hydrohil.claims.signals import measured
+from hydrohil.shared.compiled.kernel import source_version
+from hydrohil.simulation.rollout import rollout
+from tests.support.campaign_scene import LASTS_S, plan
+
+PUSHED = {"claims": [{"statement": "s", "metric": "maximum", "channel": "force", "comparison": "above", "low": 1.0}]}
+
+
+def test_a_row_is_what_the_trial_shows_when_it_runs_alone():
+    one = plan()
+    trial = trial_of(one.campaign, 8)
+    made, trace = row(one, trial), rollout(experiment_of(one, trial.parameters), trial.seed)
+    assert made["peak_n"] == measured(trace, "force").max()
+    assert (made["ended"], made["trial"], made["seed"]) == ("completed", 8, trial.seed)
+    assert made["end_s"] == trace.t_s[-1] and "claims.0" not in made
+
+
+def test_the_experiments_own_claims_are_judged_where_it_is_asked():
+    claim = PUSHED["claims"][0] | {"start_s": 0.0, "end_s": LASTS_S, "unit": "N"}
+    one = plan(claims=True, metrics={}, set={**plan().campaign.set, "claims": [claim, claim | {"low": 1e4}]})
+    made = row(one, trial_of(one.campaign, 8))
+    assert (made["claims.0.holds"], made["claims.1.holds"]) == (True, False)
+    assert made["claims.0"] == made["claims.1"] > 1.0
+
+
+def test_a_trial_that_trips_says_why_and_leaves_what_it_did_not_reach_undetermined():
+    one = plan(set={**plan().campaign.set, "supervisor.force_limit_n": 1.0})
+    made = row(one, trial_of(one.campaign, 8))
+    assert (made["ended"], made["cause"], made["peak_n"]) == ("tripped", "force_tared", None)
+    assert "against 1" in made["told"] and made["end_s"] < LASTS_S
+
+
+def test_a_trial_that_is_refused_between_the_corners_is_a_row_that_says_so():
+    one = plan(sweep={"controller.tight_slew_codes": {"list": [3000]}})
+    made = row(one, trial_of(one.campaign, 0))
+    assert made["ended"] == "refused" and "tight_slew_codes" in made["told"]
+
+
+def test_other_sources_run_nothing():
+    with pytest.raises(OtherSourcesError, match="feed"):
+        work(Chunk(plan(), "feed", (0,)))
+    assert work(Chunk(plan(), source_version(), ())) == []
+
+
+def test_chunks_have_every_number_once_in_order():
+    assert chunks(range(7), 3) == [(0, 1, 2), (3, 4, 5), (6,)]

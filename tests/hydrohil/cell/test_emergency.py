@@ -1,0 +1,50 @@
+"""What `hydrohil estop` may say: it is confirmed by codes alone, never by silence or by half of what is known."""
+
+import json
+
+import pytest
+
+from hydrohil.cell.emergency import outcome
+from hydrohil.cli.cell_commands import _words
+from hydrohil.shared.contract.messages import Answer
+
+ZERO, STUCK = [2048, 2048, 2048], [2048, 2700, 2048]
+
+
+def answer(accepted=1, **values):
+    return Answer(accepted, "", json.dumps(values).encode())
+
+
+@pytest.mark.parametrize(
+    "told",
+    [None, answer(0, dac_counts=ZERO, dac_readback=ZERO), answer(), answer(dac_counts=STUCK, dac_readback=ZERO)],
+)
+def test_without_the_gates_zero_nothing_is_confirmed(told):
+    confirmed, words = outcome(told)
+    assert not confirmed and words.startswith("NOT CONFIRMED") and "cut the hydraulic supply" in words
+
+
+def test_a_converter_that_reads_back_another_code_is_not_confirmed_and_the_code_is_named():
+    confirmed, words = outcome(answer(dac_counts=ZERO, dac_readback=STUCK))
+    assert not confirmed and words.startswith("NOT CONFIRMED") and "2048, 2700, 2048" in words
+
+
+def test_zero_at_gate_and_converter_is_confirmed():
+    assert outcome(answer(dac_counts=ZERO, dac_readback=ZERO)) == (
+        True,
+        "stopped: zero current at the D/A, read back; `hydrohil reset` when the cause is gone",
+    )
+
+
+@pytest.mark.parametrize("values", [{"dac_readback": None}, {}])
+def test_where_nothing_can_be_read_back_the_operator_is_told_so(values):
+    confirmed, words = outcome(answer(dac_counts=ZERO, **values))
+    assert confirmed and "cannot be read back" in words
+
+
+@pytest.mark.parametrize(("driven", "told"), [(None, False), (ZERO, False), (STUCK, True)])
+def test_a_status_tells_what_a_stuck_converter_drives(driven, told):
+    found = {"number": 7, "gate": 0, "gate_cause": "ESTOP", "lease_ms": 20.0, "dac_counts": ZERO, "dac_readback": driven}
+    words = _words("plant", found)
+    assert "shut: ESTOP" in words
+    assert ("2048, 2700, 2048" in words) == told

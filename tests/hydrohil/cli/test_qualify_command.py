@@ -1,0 +1,159 @@
+"""`hydrohil qualify` without a measurement: what it tries, says, writes, records, and its exit status."""
+
+import json
+import re
+
+import pytest
+from typer.testing import CliRunner
+
+from hydrohil.cell.processes import CellError
+from hydrohil.cli.main import app
+from hydrohil.qualification import measure as measuring
+from hydrohil.qualification.grading import Figures
+from hydrohil.qualification.measure import Measured
+from hydrohil.shared.host.qualified import standing
+from tests.support.qualification_scene import GOOD
+
+GRANTED = {"fifo": True, "memory_locked": False, "idle_latency": False}
+ALL_NS = [1_000_000, 2_000_000, 4_500_000, 10_000_000]
+
+
+class Host:
+    """A host that keeps up down to a sampling period; what is asked of it is remembered."""
+
+    def __init__(self, keeps_up_ns):
+        self.keeps_up_ns, self.asked = keeps_up_ns, []
+
+    def measure(self, wish, period_substeps, show):
+        period_ns = period_substeps * 50_000
+        self.asked.append((period_ns, wish))
+        show("the loop", 1.0)
+        late = 0.0 if period_ns >= self.keeps_up_ns else 400.0
+        return Measured(GOOD._replace(period_ns=period_ns, unanswered=late), GRANTED)
+
+
+@pytest.fixture
+def qualify(monkeypatch, tmp_path):
+    monkeypatch.setenv("HYDROHIL_CACHE", str(tmp_path / "cache"))
+
+    def run(host, *arguments):
+        monkeypatch.setattr(measuring, "measure", host.measure if isinstance(host, Host) else host)
+        return CliRunner().invoke(app, ["qualify", *arguments])
+
+    return run
+
+
+@pytest.mark.parametrize(
+    ("keeps_up_ns", "tried", "status"),
+    [(1_000_000, ALL_NS[:1], 0), (4_500_000, ALL_NS[:3], 0), (10_000_000, ALL_NS, 0), (10_000_001, ALL_NS, 1)],
+)
+def test_rates_are_tried_from_the_highest_down_until_one_is_signed(qualify, keeps_up_ns, tried, status):
+    host = Host(keeps_up_ns)
+    made = qualify(host)
+    assert [period_ns for period_ns, _ in host.asked] == tried
+    assert made.exit_code == status, made.output
+    found = standing(fifo=True).qualified
+    assert found.signed_period_ns == (tried[-1] if status == 0 else 0)
+    assert standing(fifo=False).qualified is None
+    assert "on record until the next boot" in made.stdout
+
+
+@pytest.mark.parametrize(
+    ("rate", "period_ns"), [("1000", 1_000_000), ("222.2", 4_500_000), ("333", 3_000_000), ("100", 10_000_000)]
+)
+def test_one_rate_is_tried_alone(qualify, rate, period_ns):
+    host = Host(0)
+    assert qualify(host, "--rate-hz", rate).exit_code == 0
+    assert [asked for asked, _ in host.asked] == [period_ns]
+    assert qualify(Host(20_000_000), "--rate-hz", rate).exit_code == 1
+    assert standing(fifo=True).qualified.signed_period_ns == 0
+
+
+@pytest.mark.parametrize("fifo", [False, True])
+def test_it_is_recorded_under_what_the_host_has_granted_and_not_under_what_was_asked_for(qualify, fifo):
+    def measure(wish, period, show):
+        return Measured(GOOD, GRANTED | {"fifo": fifo})
+
+    assert qualify(measure, "--rate-hz", "222.2", "--realtime").exit_code == 0
+    assert [standing(fifo=granted).qualified is not None for granted in (fifo, not fifo)] == [True, False]
+
+
+@pytest.mark.parametrize("rate", ["0", "-5", "nan", "inf", "97.5", "1026"])
+def test_a_rate_that_no_plant_accepts_ends_with_2_and_says_which_are(qualify, rate):
+    host = Host(0)
+    made = qualify(host, "--rate-hz", rate)
+    assert made.exit_code == 2
+    assert "Hz" in made.stderr and "100 to 1000" in made.stderr
+    assert len(made.stderr.strip().splitlines()) == 1 and not host.asked
+
+
+@pytest.mark.parametrize(
+    ("options", "loop_s", "baseline_s"),
+    [((), 20.0, 5.0), (("--quick",), 4.5, 1.0), (("--quick", "--seconds", "1"), 1.0, 1.0), (("--seconds", "60"), 60.0, 5.0)],
+)
+def test_it_takes_as_long_as_was_asked_for(qualify, options, loop_s, baseline_s):
+    host = Host(0)
+    qualify(host, "--rate-hz", "222.2", "--no-realtime", *options)
+    ((_, wish),) = host.asked
+    assert (wish.seconds, wish.baseline_s, wish.realtime) == (loop_s, baseline_s, False)
+
+
+def test_the_file_holds_host_trials_and_status_with_null_for_what_is_missing(qualify, tmp_path):
+    file = tmp_path / "new" / "host.json"
+    made = qualify(Host(4_500_000), "--json", str(file))
+    told = json.loads(file.read_text(), parse_constant=lambda name: pytest.fail(f"{name} is no JSON"))
+    assert [(trial["period_ns"], trial["grade"]) for trial in told["trials"]] == [
+        (1_000_000, "C"),
+        (2_000_000, "C"),
+        (4_500_000, "A"),
+    ]
+    assert (told["signed_period_ns"], told["exit_status"]) == (4_500_000, made.exit_code)
+    assert told["host"]["cores"] > 0 and {fact["what"] for fact in told["found"]} >= {"SCHED_FIFO", "SMT", "kernel"}
+
+
+def test_table_grade_and_reasons_are_printed(qualify):
+    text = qualify(Host(10_000_000)).stdout
+    assert all(
+        word in text for word in ("SCHED_FIFO", "bare round trip", "222.2 Hz: grade C", "100 Hz: grade A", "late, 0.1% may be")
+    )
+
+
+def test_what_was_not_measured_is_a_dash(qualify):
+    made = qualify(lambda wish, period, show: Measured(Figures(4_500_000), GRANTED), "--rate-hz", "222.2")
+    assert made.exit_code == 1
+    assert not re.search(r"\bnan\b", made.stdout) and "- of 0 unanswered" in made.stdout and "no trial was made" in made.stdout
+
+
+def test_a_trial_too_short_for_a_signature_ends_with_1_and_is_not_recorded(qualify):
+    short = lambda wish, period, show: Measured(GOOD._replace(samples=300), GRANTED)  # noqa: E731
+    made = qualify(short, "--rate-hz", "222.2")
+    assert made.exit_code == 1
+    assert "too short to be put on record" in made.stdout and "1000 are needed" in made.stdout
+    assert standing(fifo=True).qualified is None
+
+
+@pytest.mark.parametrize(
+    ("error", "status", "words"),
+    [(KeyboardInterrupt(), 130, "nothing is recorded"), (CellError("port 7750 is in use"), 5, "port 7750")],
+)
+def test_what_does_not_come_to_its_end_is_one_line_and_not_recorded(qualify, error, status, words):
+    def broken(*_):
+        raise error
+
+    made = qualify(broken)
+    assert made.exit_code == status
+    assert words in made.stderr and len(made.stderr.strip().splitlines()) == 1
+    assert standing(fifo=True).qualified is None
+
+
+def test_a_cache_that_cannot_be_written_ends_with_2_after_the_verdict(qualify, monkeypatch, tmp_path):
+    (tmp_path / "file").write_text("")
+    monkeypatch.setenv("HYDROHIL_CACHE", str(tmp_path / "file"))
+    made = qualify(Host(0))
+    assert made.exit_code == 2
+    assert "grade A" in made.stdout and str(tmp_path / "file") in made.stderr
+
+
+def test_help_says_what_it_does_and_every_exit_status():
+    text = CliRunner().invoke(app, ["qualify", "--help"]).output
+    assert all(word in text for word in ("--rate-hz", "--seconds", "--quick", "--json", "--unqualified", "130"))

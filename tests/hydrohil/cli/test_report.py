@@ -1,0 +1,126 @@
+"""What a report says, and the exit status that follows from it."""
+
+import json
+import math
+from pathlib import Path
+
+import pytest
+from rich.console import Console
+
+from hydrohil.claims.claims import Verdict
+from hydrohil.cli.report import BY_HAND, Report, markdown, show, write_json
+from hydrohil.services.controller.config import ScheduledChange
+from hydrohil.shared.contract.faults import Fault
+from hydrohil.shared.host.qualified import Qualified
+from hydrohil.thesis.library import find
+
+EXPERIMENT = find("fig-4-25")
+HOLDS, FAILS = (Verdict(EXPERIMENT.claims[0], 1.0, held) for held in (True, False))
+
+
+def report(verdicts: tuple[Verdict, ...] = (HOLDS,), tripped: str = "", gap: str = "") -> Report:
+    return Report(EXPERIMENT, "real", 4, verdicts, tripped, gap, 10.0, {}, "")
+
+
+@pytest.mark.parametrize(
+    ("made", "status"),
+    [
+        (report(), 0),
+        (report(()), 0),
+        (report((HOLDS, FAILS)), 1),
+        (report((FAILS,), gap="command of tick 3 is missing"), 5),
+        (report((HOLDS,), tripped="the raw force is above its limit"), 3),
+        (report((FAILS,), tripped="the raw force is above its limit", gap="command of tick 3 is missing"), 3),
+    ],
+)
+def test_the_worst_of_it_decides_the_exit_status(made: Report, status: int):
+    assert made.exit_status == status
+
+
+def shown(made: Report) -> str:
+    console = Console(width=200, record=True, file=None, quiet=False)
+    with console.capture() as capture:
+        show(console, made)
+    return capture.get()
+
+
+def test_a_gap_is_said_to_give_no_verdict():
+    assert "NO VERDICT: command of tick 3 is missing" in shown(report((), gap="command of tick 3 is missing"))
+
+
+def test_a_trip_is_said_with_its_words():
+    assert "TRIPPED: too much" in shown(report((), tripped="too much"))
+
+
+def test_claims_are_shown_as_stated_measured_and_whether_they_hold():
+    table = shown(report((HOLDS, FAILS)))
+    assert EXPERIMENT.claims[0].statement in table
+    assert "yes" in table and "NO" in table
+
+
+def test_without_numbers_the_latencies_are_dashes():
+    made = report()._replace(latencies={"samples": 7, "lateness_us": {}})
+    assert "7" in shown(made) and "-" in shown(made)
+
+
+def test_the_document_marks_what_fails():
+    assert "**NO**" in markdown(report((FAILS,)))
+    assert "**NO**" not in markdown(report((HOLDS,)))
+
+
+def test_a_number_that_is_none_is_null_in_json(tmp_path: Path):
+    write_json(tmp_path / "r.json", report((Verdict(EXPERIMENT.claims[0], math.nan, False),)))
+    told = json.loads((tmp_path / "r.json").read_text())
+    assert told["claims"][0]["measured"] is None
+    assert (told["exit_status"], told["clock"], told["seed"]) == (1, "real", 4)
+
+
+def test_warnings_are_in_the_document_and_in_json(tmp_path: Path):
+    warned = report()._replace(warnings=("it must limit-cycle",))
+    write_json(tmp_path / "r.json", warned)
+    assert json.loads((tmp_path / "r.json").read_text())["warnings"] == ["it must limit-cycle"]
+    assert "**warning**: it must limit-cycle" in markdown(warned)
+    assert "warning" not in markdown(report())
+
+
+def test_what_was_broken_on_purpose_is_said_everywhere(tmp_path: Path):
+    faults = (Fault("drop", "supply", 2.0, 1.0, 0.5), Fault("stuck", "force"))
+    made = report()._replace(experiment=EXPERIMENT._replace(faults=faults))
+    for text in (shown(made), markdown(made)):
+        assert "drop supply 0.5 share at 2 s for 1 s" in text and "stuck force at 0 s to the end" in text
+    write_json(tmp_path / "report.json", made)
+    assert json.loads((tmp_path / "report.json").read_text())["faults"] == [fault._asdict() for fault in faults]
+
+
+def test_the_report_carries_how_the_host_is_qualified_or_that_it_is_not(tmp_path: Path):
+    found = Qualified(4_500_000, "B", "yesterday", 4_500_000, 4444, 0.0005, 1400.0, 12_000.0, 36.0)._asdict()
+    told = []
+    for made in (report()._replace(qualification=found), report(), report()._replace(clock="local")):
+        write_json(tmp_path / "r.json", made)
+        told.append(json.loads((tmp_path / "r.json").read_text()))
+    assert [one["qualification"] for one in told] == [found, None, None]
+    assert "signed for 222.2 Hz, grade B (yesterday)" in told[0]["qualified"]
+    assert "not qualified" in told[1]["qualified"] and told[2]["qualified"] is None
+
+
+def test_a_run_whose_parameters_were_changed_by_hand_has_no_verdict_whatever_its_claims_say(tmp_path: Path):
+    line = "changed by hand at sample 40: controller.law"
+    for verdicts in ((HOLDS,), (FAILS,), ()):
+        made = report(verdicts)._replace(changed=(line,))
+        assert made.exit_status == 5
+        assert f"NO VERDICT: {BY_HAND}" in shown(made) and line in shown(made)
+        assert BY_HAND in markdown(made) and line in markdown(made)
+    assert report((HOLDS,), tripped="too much")._replace(changed=(line,)).exit_status == 3
+    write_json(tmp_path / "r.json", report()._replace(changed=(line,)))
+    told = json.loads((tmp_path / "r.json").read_text())
+    assert (told["changed_by_hand"], told["exit_status"], told["claims"][0]["holds"]) == ([line], 5, True)
+    assert BY_HAND not in shown(report()) and "by hand" not in markdown(report())
+
+
+def test_scheduled_changes_are_said_and_leave_the_verdict(tmp_path: Path):
+    changes = (ScheduledChange(2.5, ("controller.law=pi",)),)
+    made = report()._replace(experiment=EXPERIMENT._replace(changes=changes))
+    assert made.exit_status == 0
+    assert "at 2.5 s: controller.law=pi" in shown(made) and "at 2.5 s: controller.law=pi" in markdown(made)
+    write_json(tmp_path / "r.json", made)
+    assert json.loads((tmp_path / "r.json").read_text())["changes"] == [{"at_s": 2.5, "set": ["controller.law=pi"]}]

@@ -1,0 +1,80 @@
+import pytest
+
+from hydrohil.services.plant.gate import NO_PERMIT_SEEN, GateMemory
+from hydrohil.shared.contract.messages import GateCause, GateState, Mode
+from tests.support.gate_scene import ARMING, FINE, NO_SIGNS, OTHER, TTL, ZERO, armed_anew, command, opened, permit, step
+
+
+def cut(memory):
+    return step(memory, FINE._replace(permit=NO_PERMIT_SEEN))
+
+
+def test_permission_is_lost_by_absence():
+    after = cut(opened())
+    assert (after.state, after.cause, after.codes) == (GateState.SHUT, GateCause.NO_PERMIT, ZERO)
+
+
+@pytest.mark.parametrize("renewed", [FINE, permit(age_ns=0), command(age_ns=0), FINE._replace(force_n=0.0)])
+def test_nothing_resumes_by_itself_after_a_stale_command(renewed):
+    after = step(opened(), command(age_ns=TTL + 1))
+    for _ in range(50):
+        after = step(after, renewed)
+        assert (after.state, after.cause, after.codes) == (GateState.BURNED, GateCause.BURNED_ARMING, ZERO)
+
+
+def test_a_new_arming_opens_after_a_cut():
+    after = step(cut(opened()), armed_anew(OTHER))
+    assert (after.state, after.arming) == (GateState.OPEN, OTHER)
+
+
+def test_each_of_the_last_sixteen_burned_armings_stays_shut():
+    memory = GateMemory()
+    for arming in range(1, 17):
+        memory = cut(step(memory, armed_anew(arming)))
+    assert memory.burned == tuple(range(16, 0, -1))
+    for arming in range(1, 17):
+        assert step(memory, armed_anew(arming)).cause == GateCause.BURNED_ARMING
+
+
+def test_a_burned_arming_that_is_shown_again_is_not_burned_twice():
+    memory = cut(opened())
+    for _ in range(20):
+        memory = step(memory, FINE._replace(estop=True))
+    assert memory.burned == (ARMING,) + (0,) * 15
+
+
+def test_what_a_shut_gate_burns_pushes_the_older_numbers_back():
+    memory = step(cut(opened()), armed_anew(OTHER, force_n=500.0))
+    assert memory.burned == (OTHER, ARMING) + (0,) * 14
+
+
+def test_recovering_and_running_burn_alike():
+    recovering = FINE._replace(permit=FINE.permit._replace(mode=4, recover_signs=(0, 0, -1)))
+    memory = step(GateMemory(), recovering)
+    assert memory.state == GateState.RECOVERING
+    after = cut(memory)
+    assert (after.burned[0], after.recover_signs) == (ARMING, NO_SIGNS)
+    assert step(after, recovering).cause == GateCause.BURNED_ARMING
+
+
+@pytest.mark.parametrize(("first", "then"), [(Mode.RUNNING, Mode.RECOVER), (Mode.RECOVER, Mode.RUNNING)])
+def test_an_arming_is_good_for_one_mode_only(first, then):
+    def seen(mode):
+        return FINE._replace(permit=FINE.permit._replace(mode=int(mode), recover_signs=(0, 0, -1)))
+
+    memory = step(step(GateMemory(), seen(first)), seen(first))
+    assert memory.state in (GateState.OPEN, GateState.RECOVERING)
+    memory = step(memory, seen(then))
+    assert (memory.cause, memory.codes) == (GateCause.OTHER_ARMING, ZERO)
+    assert step(memory, seen(first)).cause == GateCause.BURNED_ARMING
+
+
+def test_the_number_of_a_refused_command_is_still_reported():
+    assert step(GateMemory(), command(arming=OTHER, number=321)).command_number == 321
+
+
+def test_stopping_without_an_arming_pushes_no_burned_number_out():
+    memory = cut(opened())
+    for _ in range(20):
+        memory = step(memory, armed_anew(0, estop=True))
+    assert memory.burned == (ARMING,) + (0,) * 15

@@ -1,0 +1,127 @@
+import threading
+import time
+from collections import deque
+
+import pytest
+
+from hydrohil.shared.transport.step_lock import Turns
+
+
+def test_who_finds_the_turn_taken_returns_at_once_and_its_cause_is_served_by_who_has_it():
+    begun, go_on, served = threading.Event(), threading.Event(), []
+
+    def step() -> None:
+        served.append(threading.current_thread().name)
+        begun.set()
+        go_on.wait(10.0)
+
+    turns = Turns(step)
+    holder = threading.Thread(target=turns.take, name="holder")
+    holder.start()
+    assert begun.wait(10.0)
+    turns.take()  # comes while the other steps: it would hang here if it waited
+    assert served == ["holder"]
+    go_on.set()
+    holder.join(10.0)
+    assert served == ["holder", "holder"]
+
+
+def test_however_many_find_it_taken_one_more_step_serves_them_all():
+    served = []
+
+    def step() -> None:
+        served.append(len(served))
+        if len(served) == 1:
+            for _ in range(5):
+                turns.take()
+
+    turns = Turns(step)
+    turns.take()
+    assert served == [0, 1]
+
+
+def test_no_cause_is_lost_between_threads():
+    brought, done = deque(), []
+
+    def step() -> None:
+        while brought:
+            done.append(brought.popleft())
+
+    turns = Turns(step)
+
+    def bring() -> None:
+        for i in range(2000):
+            brought.append(i)
+            turns.take()
+
+    threads = [threading.Thread(target=bring) for _ in range(4)]
+    for thread in threads:
+        thread.start()
+    while any(thread.is_alive() for thread in threads):
+        turns.between(lambda: None)
+    assert not brought
+    assert len(done) == 8000
+
+
+def test_work_comes_before_the_step_and_what_came_during_it_is_in_that_step():
+    order = []
+    turns = Turns(lambda: order.append("step"))
+
+    def work() -> None:
+        turns.take()
+        order.append("work")
+
+    assert not turns.between(work)
+    assert order == ["work", "step"]
+
+
+def test_who_serves_is_told_of_what_came_while_it_stepped():
+    steps = []
+
+    def step() -> None:
+        steps.append(1)
+        if len(steps) == 1:
+            turns.take()
+
+    turns = Turns(step)
+    assert turns.between(lambda: None)
+    assert not turns.between(lambda: None)
+    assert len(steps) == 2
+
+
+def test_a_flood_that_gives_cause_at_every_step_does_not_keep_who_serves_away():
+    order = []
+
+    def step() -> None:
+        order.append(f"step by {threading.current_thread().name}")
+        if len(order) == 1:
+            serving.start()
+            deadline = time.monotonic() + 5.0
+            while not turns._wanted and time.monotonic() < deadline:
+                time.sleep(0.001)
+            turns.take()  # as another thread would: something has come again
+
+    turns = Turns(step)
+    serving = threading.Thread(target=turns.between, args=(lambda: order.append("work"),), name="server")
+    flooded = threading.Thread(target=turns.take, name="transport")
+    flooded.start()
+    flooded.join(10.0)
+    serving.join(10.0)
+    assert order == ["step by transport", "work", "step by server"]
+    turns.take()
+    assert len(order) == 4
+
+
+def test_a_step_that_raises_gives_the_turn_back():
+    outcomes = iter([ValueError("broken"), None])
+
+    def step() -> None:
+        outcome = next(outcomes)
+        if outcome is not None:
+            raise outcome
+
+    turns = Turns(step)
+    with pytest.raises(ValueError, match="broken"):
+        turns.take()
+    turns.take()
+    assert next(outcomes, "all taken") == "all taken"

@@ -1,0 +1,341 @@
+import math
+
+import pytest
+from hypothesis import given, settings
+from hypothesis import strategies as st
+from scipy import stats
+
+from hydrohil.services.supervisor.machine import BRAKES, FULL_SPEED
+from hydrohil.services.supervisor.params import RANDOM_MISSES
+from hydrohil.services.supervisor.rule import GaugeSeen, Limits, MotionSeen, Observed, TransportSeen
+from hydrohil.services.supervisor.rules import RULES, WORDS, first_broken, fold, trip_words
+from hydrohil.shared.compiled.kernel import compiled
+from hydrohil.shared.contract.messages import GateState, TripCause
+from tests.support.supervisor_scene import CONFIG, FINE, LIMITS, changed
+
+NAN, INF = math.nan, math.inf
+RAW, TARED = CONFIG.raw_force_limit_n, CONFIG.force_limit_n
+SPEED, FASTEST = CONFIG.joint_speed_limit, CONFIG.tip_speed_limit_m_per_s
+STEP = tuple(FULL_SPEED[i] * 0.0045 + LIMITS.count_rad[i] * (1.0 + 1e-9) for i in range(4))
+LOW_RAD, HIGH_RAD = CONFIG.joint_low_rad, CONFIG.joint_high_rad
+LOW_M, HIGH_M = CONFIG.workspace_low_m, CONFIG.workspace_high_m
+first_broken_compiled = compiled(first_broken)
+
+
+def above(limit):
+    return math.nextafter(limit, INF)
+
+
+def below(limit):
+    return math.nextafter(limit, -INF)
+
+
+def one_of(field, index, value):
+    values = list(getattr(FINE.motion, field))
+    values[index] = value
+    return {field: tuple(values)}
+
+
+AT_LIMIT = [
+    {"force_counts": 0},
+    {"force_counts": 517},
+    {"raw_n": RAW},
+    {"raw_n": -RAW},
+    {"tared_n": TARED},
+    {"tared_n": -TARED},
+    {"quiet_samples": 21},
+    {"jump_n": 56.0},
+    {"jump_n": -56.0},
+    {"rate_n_per_s": 5000.0},
+    {"rate_n_per_s": -5000.0},
+    {"held_ns": 1_000_000_000},
+    {"energy_j": 100.0},
+    {"unexplained_n": 107.0},
+    {"smooth_n": -25.0},
+    *(one_of("counts", i, LIMITS.low_counts[i] + 1) for i in range(3)),
+    *(one_of("counts", i, LIMITS.high_counts[i] - 1) for i in range(3)),
+    *(one_of("moved_rad", i, STEP[i]) for i in range(4)),
+    *(one_of("moved_rad", i, -STEP[i]) for i in range(4)),
+    *(one_of("against", i, BRAKES[i]) for i in range(3)),
+    *(one_of("idle_ns", i, 200_000_000) for i in range(3)),
+    *(one_of("speed", i, SPEED[i]) for i in range(3)),
+    *(one_of("speed", i, -SPEED[i]) for i in range(3)),
+    {"tip_speed_m_per_s": FASTEST},
+    {"bias_n": 60.0},
+    {"bias_n": -60.0},
+    {"bias_spread_n": 15.0},
+    {"lost_samples": 4},
+    {"stale_ns": 20_000_000},
+    {"command_lag": 5},
+    {"command_lag": 0},
+    {"command_lag": 99, "tick": 0},
+    {"state_lag": 6},
+    {"state_lag": -4},
+    {"state_lag": 99, "tick": 0},
+    {"link_faults": 1},
+    {"rivals": 0},
+    {"rivals": 1, "moving": False},
+    {"missed": 21},
+    {"gate": int(GateState.OPEN)},
+    {"gate": int(GateState.SHUT)},
+    {"gate": int(GateState.RECOVERING)},
+    *(one_of("q_rad", i, LOW_RAD[i]) for i in range(3)),
+    *(one_of("q_rad", i, HIGH_RAD[i]) for i in range(3)),
+    *(one_of("tip_m", i, LOW_M[i]) for i in range(3)),
+    *(one_of("tip_m", i, HIGH_M[i]) for i in range(3)),
+]
+PAST = [  # what is seen, the cause, the number that broke, the limit it broke
+    ({"force_counts": -1}, TripCause.FORCE_INVALID, -1.0, 0.0),
+    ({"force_counts": 518}, TripCause.FORCE_INVALID, 518.0, 518.0),
+    ({"raw_n": above(RAW)}, TripCause.FORCE_RAW, above(RAW), RAW),
+    ({"raw_n": -above(RAW)}, TripCause.FORCE_RAW, -above(RAW), RAW),
+    ({"raw_n": NAN}, TripCause.FORCE_RAW, NAN, RAW),
+    ({"tared_n": above(TARED)}, TripCause.FORCE_TARED, above(TARED), TARED),
+    ({"tared_n": -above(TARED)}, TripCause.FORCE_TARED, -above(TARED), TARED),
+    ({"tared_n": NAN}, TripCause.FORCE_TARED, NAN, TARED),
+    ({"quiet_samples": 22}, TripCause.FORCE_FROZEN, 22.0, 22.0),
+    ({"jump_n": above(56.0)}, TripCause.FORCE_JUMP, above(56.0), 56.0),
+    ({"jump_n": -above(56.0)}, TripCause.FORCE_JUMP, -above(56.0), 56.0),
+    ({"jump_n": NAN}, TripCause.FORCE_JUMP, NAN, 56.0),
+    ({"rate_n_per_s": above(5000.0)}, TripCause.FORCE_RATE, above(5000.0), 5000.0),
+    ({"rate_n_per_s": -above(5000.0)}, TripCause.FORCE_RATE, -above(5000.0), 5000.0),
+    ({"rate_n_per_s": NAN}, TripCause.FORCE_RATE, NAN, 5000.0),
+    ({"held_ns": 1_000_000_001}, TripCause.FORCE_HELD, 1.000000001, 1.0),
+    ({"energy_j": above(100.0)}, TripCause.FORCE_ENERGY, above(100.0), 100.0),
+    ({"energy_j": NAN}, TripCause.FORCE_ENERGY, NAN, 100.0),
+    ({"unexplained_n": above(107.0)}, TripCause.FORCE_DRIFT, above(107.0), 107.0),
+    ({"unexplained_n": NAN}, TripCause.FORCE_DRIFT, NAN, 107.0),
+    ({"smooth_n": -above(25.0)}, TripCause.FORCE_BELOW_BIAS, -above(25.0), -25.0),
+    ({"smooth_n": NAN}, TripCause.FORCE_BELOW_BIAS, NAN, -25.0),
+    *((one_of("counts", i, LIMITS.low_counts[i]), TripCause.ENCODER_INVALID, 0.0, 0.0) for i in range(3)),
+    *((one_of("counts", i, high), TripCause.ENCODER_INVALID, high, high) for i, high in enumerate(LIMITS.high_counts)),
+    *((one_of("moved_rad", i, above(STEP[i])), TripCause.ENCODER_JUMP, above(STEP[i]), STEP[i]) for i in range(4)),
+    *((one_of("moved_rad", i, -above(STEP[i])), TripCause.ENCODER_JUMP, -above(STEP[i]), STEP[i]) for i in range(4)),
+    *((one_of("moved_rad", i, NAN), TripCause.ENCODER_JUMP, NAN, STEP[i]) for i in range(4)),
+    *((one_of("against", i, above(BRAKES[i])), TripCause.MOTION_AGAINST, above(BRAKES[i]), BRAKES[i]) for i in range(3)),
+    *((one_of("against", i, NAN), TripCause.MOTION_AGAINST, NAN, BRAKES[i]) for i in range(3)),
+    *((one_of("idle_ns", i, 200_000_001), TripCause.NO_MOTION, 0.200000001, 0.2) for i in range(3)),
+    *((one_of("speed", i, above(SPEED[i])), TripCause.JOINT_SPEED, above(SPEED[i]), SPEED[i]) for i in range(3)),
+    *((one_of("speed", i, -above(SPEED[i])), TripCause.JOINT_SPEED, -above(SPEED[i]), SPEED[i]) for i in range(3)),
+    *((one_of("speed", i, NAN), TripCause.JOINT_SPEED, NAN, SPEED[i]) for i in range(3)),
+    ({"tip_speed_m_per_s": above(FASTEST)}, TripCause.TIP_SPEED, above(FASTEST), FASTEST),
+    ({"tip_speed_m_per_s": NAN}, TripCause.TIP_SPEED, NAN, FASTEST),
+    ({"bias_n": above(60.0)}, TripCause.BIAS, above(60.0), 60.0),
+    ({"bias_n": -above(60.0)}, TripCause.BIAS, -above(60.0), 60.0),
+    ({"bias_n": NAN}, TripCause.BIAS, NAN, 60.0),
+    ({"bias_spread_n": above(15.0)}, TripCause.BIAS, above(15.0), 15.0),
+    ({"bias_spread_n": NAN}, TripCause.BIAS, NAN, 15.0),
+    *((one_of("q_rad", i, below(LOW_RAD[i])), TripCause.JOINT_LIMIT, below(LOW_RAD[i]), LOW_RAD[i]) for i in range(3)),
+    *((one_of("q_rad", i, above(HIGH_RAD[i])), TripCause.JOINT_LIMIT, above(HIGH_RAD[i]), HIGH_RAD[i]) for i in range(3)),
+    *((one_of("q_rad", i, NAN), TripCause.JOINT_LIMIT, NAN, LOW_RAD[i]) for i in range(3)),
+    *((one_of("tip_m", i, below(LOW_M[i])), TripCause.WORKSPACE, below(LOW_M[i]), LOW_M[i]) for i in range(3)),
+    *((one_of("tip_m", i, above(HIGH_M[i])), TripCause.WORKSPACE, above(HIGH_M[i]), HIGH_M[i]) for i in range(3)),
+    *((one_of("tip_m", i, NAN), TripCause.WORKSPACE, NAN, LOW_M[i]) for i in range(3)),
+    ({"lost_samples": 5}, TripCause.SAMPLE_LOST, 5.0, 4.0),
+    ({"lost_samples": -1}, TripCause.SAMPLE_LOST, -1.0, 0.0),
+    ({"stale_ns": 20_000_001}, TripCause.SAMPLE_STALE, 20_000_001e-9, 0.02),
+    ({"link_faults": 2}, TripCause.LINK_FAULTS, 2.0, 1.0),
+    ({"rivals": 2}, TripCause.TWO_PUBLISHERS, 2.0, 0.0),
+    ({"other_run": 1}, TripCause.OTHER_RUN, 1.0, 0.0),
+    ({"command_lag": 6}, TripCause.COMMAND_STALE, 6.0, 5.0),
+    ({"command_lag": 6, "tick": 1}, TripCause.COMMAND_STALE, 6.0, 5.0),
+    ({"command_lag": -1}, TripCause.COMMAND_STALE, -1.0, 0.0),
+    ({"state_lag": 7}, TripCause.CONTROLLER_SILENT, 7.0, 6.0),
+    ({"state_lag": 7, "tick": 1}, TripCause.CONTROLLER_SILENT, 7.0, 6.0),
+    ({"state_lag": -5}, TripCause.CONTROLLER_SILENT, -5.0, -4.0),
+    ({"missed": 22}, TripCause.QUALITY, 0.78, 0.79),
+    ({"gate": int(GateState.BURNED)}, TripCause.GATE_CUT, float(GateState.BURNED), float(GateState.OPEN)),
+    ({"ready": False}, TripCause.NOT_READY, 0.0, 1.0),
+]
+AT_REST = changed(FINE, moving=False, starting=False)
+ONLY_WHILE_MOVING = (
+    TripCause.FORCE_DRIFT,
+    TripCause.FORCE_BELOW_BIAS,
+    TripCause.SAMPLE_LOST,
+    TripCause.COMMAND_STALE,
+    TripCause.CONTROLLER_SILENT,
+    TripCause.GATE_CUT,
+)
+ONLY_AT_THE_START = (TripCause.BIAS, TripCause.NOT_READY)
+
+
+def same(a, b):
+    return a == b or (a != a and b != b)
+
+
+def test_nothing_is_broken_when_all_holds():
+    assert first_broken(FINE, LIMITS) == (0, 0.0, 0.0)
+    assert first_broken(AT_REST, LIMITS) == (0, 0.0, 0.0)
+
+
+def test_the_limits_of_the_transport_are_leases_in_whole_samples():
+    assert (LIMITS.min_force_counts, LIMITS.max_force_counts) == (0, 518)
+    assert (LIMITS.lease_samples, LIMITS.lease_ns) == (4, 20_000_000)
+    assert (LIMITS.missed_samples, LIMITS.faults_per_s) == (4 + 1 + 16, 1)
+
+
+@pytest.mark.parametrize("changes", AT_LIMIT, ids=str)
+def test_a_rule_holds_on_its_limit(changes):
+    assert first_broken(changed(FINE, **changes), LIMITS) == (0, 0.0, 0.0)
+
+
+@pytest.mark.parametrize(("changes", "cause", "measured", "limit"), PAST, ids=lambda value: str(value)[:40])
+def test_a_rule_breaks_just_past_its_limit_and_tells_its_own_numbers(changes, cause, measured, limit):
+    found = first_broken(changed(FINE, **changes), LIMITS)
+    assert found[0] == cause
+    assert same(found[1], measured)
+    assert found[2] == pytest.approx(limit, rel=1e-12)
+
+
+@pytest.mark.parametrize(("changes", "cause", "measured", "limit"), PAST, ids=lambda value: str(value)[:40])
+def test_at_rest_only_what_can_be_judged_at_rest_is(changes, cause, measured, limit):
+    found = first_broken(changed(AT_REST, **changes), LIMITS)[0]
+    assert found == (0 if cause in ONLY_WHILE_MOVING + ONLY_AT_THE_START else cause)
+    assert first_broken(changed(AT_REST, starting=True, **changes), LIMITS)[0] == (0 if cause in ONLY_WHILE_MOVING else cause)
+    assert first_broken(changed(AT_REST, moving=True, **changes), LIMITS)[0] == (0 if cause in ONLY_AT_THE_START else cause)
+
+
+@pytest.mark.parametrize(
+    ("field", "cause"),
+    [
+        ("jump_limit_n", TripCause.FORCE_JUMP),
+        ("unexplained_limit_n", TripCause.FORCE_DRIFT),
+        ("dt_s", TripCause.ENCODER_JUMP),
+    ],
+)
+def test_a_limit_that_is_no_number_holds_nothing(field, cause):
+    assert first_broken(changed(FINE, **{field: NAN}), LIMITS)[0] == cause
+
+
+def test_an_encoder_at_its_end_is_told_with_its_own_end():
+    ends = LIMITS._replace(low_counts=(1, 2, 3), high_counts=(8000, 2000, 1000))
+    for link, (low, high) in enumerate(zip(ends.low_counts, ends.high_counts, strict=True)):
+        for end in (low, high):
+            assert first_broken(changed(FINE, **one_of("counts", link, end)), ends) == (TripCause.ENCODER_INVALID, end, end)
+
+
+def test_of_several_links_the_one_beyond_is_told():
+    for field, cause, limit in (("against", TripCause.MOTION_AGAINST, BRAKES), ("speed", TripCause.JOINT_SPEED, SPEED)):
+        seen = changed(FINE, **{field: (limit[0], above(limit[1]), 9.0)})
+        assert first_broken(seen, LIMITS) == (cause, above(limit[1]), limit[1])
+    seen = changed(FINE, idle_ns=(0, 200_000_001, 300_000_000))
+    assert first_broken(seen, LIMITS)[:2] == (TripCause.NO_MOTION, pytest.approx(0.3))
+
+
+def test_the_rows_stand_in_the_order_of_severity_and_every_cause_has_words():
+    causes = [int(rule.cause) for rule in RULES]
+    assert causes == sorted(set(causes))
+    assert set(WORDS) >= {rule.cause for rule in RULES} | {TripCause.NONE, TripCause.ESTOP}
+    assert all(WORDS[rule.cause] == rule.words for rule in RULES)
+
+
+def test_of_several_broken_rows_the_first_decides():
+    seen = FINE
+    for changes, cause, measured, limit in sorted(PAST, key=lambda row: row[1], reverse=True):
+        before = first_broken(seen, LIMITS)[0]
+        seen = changed(seen, **changes)
+        found = first_broken(seen, LIMITS)
+        assert found[0] == min(cause, before or cause)
+        if before != cause:
+            assert same(found[1], measured)
+            assert found[2] == pytest.approx(limit, rel=1e-12)
+
+
+def test_every_row_alone_is_folded_to_itself():
+    for rule in RULES:
+        alone = fold((rule,))
+        for changes, cause, _, _ in PAST:
+            assert alone(changed(FINE, **changes), LIMITS)[0] == (int(cause) if cause == rule.cause else 0)
+    assert fold(())(changed(FINE, ready=False), LIMITS) == (0, 0.0, 0.0)
+
+
+ANY_FLOAT = st.floats() | st.sampled_from([0.0, RAW, TARED, 60.0, 15.0, -2.0, 2.0])
+TRIPLES = st.tuples(ANY_FLOAT, ANY_FLOAT, ANY_FLOAT)
+INTS, FEW = st.integers(-10, 600), st.integers(0, 3)
+SEEN = st.builds(
+    Observed,
+    st.booleans(),
+    st.booleans(),
+    INTS,
+    st.builds(GaugeSeen, INTS, *(ANY_FLOAT,) * 10, INTS, st.integers(0, 2_000_000_000), ANY_FLOAT),
+    st.builds(
+        MotionSeen,
+        TRIPLES | st.just(FINE.motion.q_rad),
+        TRIPLES | st.just(FINE.motion.tip_m),
+        st.tuples(INTS, INTS, INTS),
+        st.tuples(*(ANY_FLOAT,) * 4) | st.just(FINE.motion.moved_rad),
+        ANY_FLOAT,
+        TRIPLES | st.just(FINE.motion.speed),
+        ANY_FLOAT,
+        st.tuples(*(st.integers(0, 300_000_000),) * 3),
+        TRIPLES | st.just(FINE.motion.against),
+    ),
+    st.builds(
+        TransportSeen, INTS, st.integers(0, 30_000_000), INTS, FEW, st.booleans(), FEW, FEW, FEW, INTS, st.integers(0, 100)
+    ),
+)
+
+
+@settings(max_examples=300, deadline=None)
+@given(SEEN)
+def test_plain_and_compiled_rules_agree_on_anything(seen):
+    plain, machine = first_broken(seen, LIMITS), first_broken_compiled(seen, LIMITS)
+    assert all(same(a, b) for a, b in zip(plain, machine, strict=True))
+    assert isinstance(LIMITS, Limits)
+
+
+def test_every_row_tells_its_number_and_limit_even_while_it_holds():
+    told = {rule.cause: (rule.measured(FINE, LIMITS), rule.limit(FINE, LIMITS)) for rule in RULES}
+    assert told[TripCause.JOINT_LIMIT] == (FINE.motion.q_rad[0], HIGH_RAD[0])
+    assert told[TripCause.WORKSPACE] == (FINE.motion.tip_m[0], HIGH_M[0])
+    assert told[TripCause.NOT_READY] == (1.0, 1.0)
+    assert told[TripCause.SAMPLE_LOST] == (0.0, 4.0)
+    assert all(type(number) is float for pair in told.values() for number in pair)
+
+
+def test_of_several_values_the_first_outside_its_bounds_is_told():
+    for edge in (LOW_RAD[0], HIGH_RAD[0]):
+        seen = changed(FINE, q_rad=(edge, above(HIGH_RAD[1]), 9.0))
+        assert first_broken(seen, LIMITS) == (TripCause.JOINT_LIMIT, above(HIGH_RAD[1]), HIGH_RAD[1])
+
+
+def test_a_bias_on_its_limit_leaves_the_word_to_its_spread():
+    for bias_n in (60.0, -60.0):
+        assert first_broken(changed(FINE, bias_n=bias_n, bias_spread_n=16.0), LIMITS) == (TripCause.BIAS, 16.0, 15.0)
+
+
+def test_limits_that_cross_let_nothing_pass_and_tell_the_bound_that_broke():
+    crossed = LIMITS._replace(config=CONFIG._replace(joint_low_rad=(0.3, -0.5, 0.0), joint_high_rad=(0.2, 0.4, 1.0)))
+    for value, limit in ((0.2, 0.3), (0.25, 0.2)):
+        assert first_broken(changed(FINE, q_rad=(value, 0.0, 0.2)), crossed) == (TripCause.JOINT_LIMIT, value, limit)
+    narrow = LIMITS._replace(min_force_counts=6, max_force_counts=5)
+    assert first_broken(changed(FINE, force_counts=6), narrow) == (TripCause.FORCE_INVALID, 6.0, 5.0)
+    assert first_broken(changed(FINE, force_counts=5), narrow) == (TripCause.FORCE_INVALID, 5.0, 6.0)
+    impatient = LIMITS._replace(lease_samples=-2)
+    assert first_broken(changed(FINE, command_lag=0), impatient) == (TripCause.SAMPLE_LOST, 0.0, -2.0)
+    assert first_broken(changed(FINE, moving=True, lost_samples=0, command_lag=0), LIMITS) == (0, 0.0, 0.0)
+    stale = next(rule for rule in RULES if rule.cause == TripCause.COMMAND_STALE)
+    assert stale.limit(changed(FINE, command_lag=0), LIMITS) == 5.0
+    silent = next(rule for rule in RULES if rule.cause == TripCause.CONTROLLER_SILENT)
+    assert [silent.limit(changed(FINE, state_lag=lag), LIMITS) for lag in (1, 0, -1)] == [6.0, 6.0, -4.0]
+
+
+def test_at_rest_a_service_may_start_anew_and_in_motion_nobody_may():
+    anew = changed(FINE, rivals=1)
+    assert first_broken(anew, LIMITS) == (TripCause.TWO_PUBLISHERS, 1.0, 0.0)
+    assert first_broken(changed(anew, moving=False), LIMITS) == (0, 0.0, 0.0)
+    assert first_broken(changed(anew, moving=False, rivals=2), LIMITS) == (TripCause.TWO_PUBLISHERS, 2.0, 1.0)
+
+
+@pytest.mark.parametrize(("loss", "trips"), [(0.01, False), (0.2, True)])
+def test_a_link_that_loses_one_in_a_hundred_runs_and_one_that_loses_one_in_five_does_not(loss, trips):
+    missed = 1.0 - (1.0 - loss) ** 3  # sample to controller, command to plant, next sample to supervisor
+    above_floor = stats.binom.sf(LIMITS.missed_samples, 100, missed)
+    assert (above_floor > 0.999) if trips else (above_floor < 1e-12)
+    without_outage = stats.binom.sf(RANDOM_MISSES, 100, missed)
+    assert trips or without_outage < 1e-8
+
+
+def test_a_trip_tells_its_number_and_limit_and_an_emergency_stop_has_none():
+    assert trip_words(TripCause.FORCE_RAW, 431.25, 420.0, 17) == f"{WORDS[TripCause.FORCE_RAW]}: 431.2 against 420 (sample 17)"
+    assert trip_words(TripCause.ESTOP, 0.0, 0.0, 17) == f"{WORDS[TripCause.ESTOP]} (sample 17)"
