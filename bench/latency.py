@@ -2,7 +2,7 @@
 
 The baselines run just before and just after, at the same rate and in the same scheduling class: an empty process that
 sleeps to an absolute grid, and a ping-pong of frames of the same size between two processes over the same transport.
-A second run goes without heralds: what they save, and what they cost in processor time.
+A second run goes without warm-up frames: what they save, and what they cost in processor time.
 Example: python bench/latency.py --seconds 60 --rate-hz 222.2
 """
 
@@ -27,10 +27,10 @@ from hydrohil.shared.units import NS_PER_S, SUBSTEP_NS
 PERCENTILES = ("p50", "p99", "max")
 
 
-def run(place: cells.Place, given: Any, *, heralds: bool) -> dict[str, Any]:
+def run(place: cells.Place, given: Any, *, warmups: bool) -> dict[str, Any]:
     """The real run through the command line in a cell of its own: counters of the plant, and processors taken by the cell."""
     options = rig.services_options(realtime=not given.no_realtime)
-    options["plant"] += [] if heralds else ["--no-heralds"]
+    options["plant"] += [] if warmups else ["--no-warm-up frames"]
     with rig.running(place, options) as (_, processes), tempfile.TemporaryDirectory() as folder:
         report = Path(folder) / "report.json"
         changed = [word for setting in settings(given.seconds, rig.substeps(given.rate_hz)) for word in ("--set", setting)]
@@ -66,9 +66,9 @@ def main() -> int:
     with rig.console.status("baselines, before"):
         sleep_us, ping_us = baselines(given, place, period_ns)
     with rig.console.status(f"run of {given.seconds:g} s"):
-        counters = run(place, given, heralds=True)
-    with rig.console.status(f"run of {given.seconds:g} s without heralds"):
-        without = run(place, given, heralds=False)
+        counters = run(place, given, warmups=True)
+    with rig.console.status(f"run of {given.seconds:g} s without warm-up frames"):
+        without = run(place, given, warmups=False)
     with rig.console.status("baselines, after"):
         after = baselines(given, place, period_ns)
     sleep, ping = spread(sleep_us + after[0]), spread(ping_us + after[1])
@@ -91,19 +91,19 @@ def report(
         ("bare ping-pong, us", *(ping_us[p] for p in PERCENTILES)),
         ("  ratio", *(accepted[p] / ping_us[p] for p in PERCENTILES)),
         ("  share of the period", *(accepted[p] * 1000 / period_ns for p in PERCENTILES)),
-        ("without heralds, us", *(plain[p] for p in PERCENTILES)),
+        ("without warm-up frames, us", *(plain[p] for p in PERCENTILES)),
         ("  ratio", *(plain[p] / ping_us[p] for p in PERCENTILES)),
         ("lateness of the grid, us", *(late[p] for p in PERCENTILES)),
         ("empty process, us", *(sleep_us[p] for p in PERCENTILES)),
         ("  ratio", *(late[p] / sleep_us[p] for p in PERCENTILES)),
     ]
     rig.table(f"{given.seconds:g} s at {NS_PER_S / period_ns:.1f} Hz, latch {latch * 50} us", ("", *PERCENTILES), rows)
-    for made, words in ((counters, ""), (without, " without heralds")):
+    for made, words in ((counters, ""), (without, " without warm-up frames")):
         rig.console.print(
             f"{made['samples']} samples, {made['unanswered']} unanswered at the latch, {made['grid_shifts']} shifts of the grid, "
             f"{made['processors']:.2f} processors{words}"
         )
-    figures = {"sleep_us": sleep_us, "ping_us": ping_us, "run": counters, "without_heralds": without, "period_ns": period_ns}
+    figures = {"sleep_us": sleep_us, "ping_us": ping_us, "run": counters, "without_warmup": without, "period_ns": period_ns}
     rig.finish(given.json, figures | {"frame_bytes": frame_bytes(), "seconds": given.seconds, "realtime": not given.no_realtime})
     return 0 if not any(made["tripped"] or made["gap"] for made in runs) else 1
 

@@ -22,7 +22,7 @@ from soak import growth, resident_bytes
 from hydrohil.cell import processes as cells
 from hydrohil.shared.contract.columns import column_names
 from hydrohil.shared.contract.converters import UNIMATE_CONVERTERS, UNIMATE_ENCODERS, UNIMATE_FORCE
-from hydrohil.shared.contract.messages import About, InboxCounts, Reception
+from hydrohil.shared.contract.messages import InboxCounts, LinkStats, PlantDescription
 from hydrohil.shared.contract.topics import TOPICS, Topic
 from hydrohil.shared.host.process import draw_number
 from hydrohil.shared.transport.bus import Bus
@@ -68,19 +68,19 @@ def numbered(body: Any, number: int, period_ns: int) -> Any:
     return body._replace(**{name: value for name, value in (at | {"command_number": number - 1}).items() if name in body._fields})
 
 
-def about(period_ns: int) -> About:
+def describe(period_ns: int) -> PlantDescription:
     """The machine that seems to send."""
     lease_ns = 20_000_000
     machine = ("Unimate MKII-2000", UNIMATE_ENCODERS, UNIMATE_FORCE, UNIMATE_CONVERTERS)
-    return About(*machine, period_ns, period_ns * 4 // 5, lease_ns, lease_ns, 420.0, 2, 1.0)
+    return PlantDescription(*machine, period_ns, period_ns * 4 // 5, lease_ns, lease_ns, 420.0, 2, 1.0)
 
 
-def tell_receptions(buses: dict[str, Bus], number: int) -> None:
+def publish_link_stats(buses: dict[str, Bus], number: int) -> None:
     """What every receiver would tell once a second: the counts of what it hears of the others."""
     for name, bus in buses.items():
         heard = [topic.key for topic in LOOP_TOPICS if topic.publisher != name and topic.loop]
         counts = tuple(InboxCounts(key, number, *(0,) * (len(InboxCounts._fields) - 2)) for key in heard)
-        bus.publish(f"{name}/reception", Reception(number, counts))
+        bus.publish(f"{name}/reception", LinkStats(number, counts))
 
 
 def send(feeds: list[Feed], buses: dict[str, Bus], rate_hz: float, seconds: float) -> Iterator[int]:
@@ -95,7 +95,7 @@ def send(feeds: list[Feed], buses: dict[str, Bus], rate_hz: float, seconds: floa
             bus.publish(topic.key, numbered(bodies[number % POOL], number, period_ns), (number, due_ns))
         if due_ns - told_ns >= TOLD_S * NS_PER_S:
             told_ns = due_ns
-            tell_receptions(buses, number)
+            publish_link_stats(buses, number)
         yield number + 1
 
 
@@ -117,7 +117,7 @@ def measure(place: cells.Place, rate_hz: float, seconds: float, folder: Path, ex
             await_recorder(operator)
             dice = random.Random(1)
             feeds = [Feed(t, buses[t.publisher], [noise(t.message, dice) for _ in range(POOL)]) for t in LOOP_TOPICS]
-            buses["plant"].publish("plant/about", about(round(NS_PER_S / rate_hz)))
+            buses["plant"].publish("plant/description", describe(round(NS_PER_S / rate_hz)))
             cells.ask(operator, "recorder", "record", 10.0, path="bench.rrd", title="bench")
             result = watch(process.pid, send(feeds, buses, rate_hz, seconds))
             await_recorder(operator)  # a host that is too busy may have cut the operator off meanwhile

@@ -63,7 +63,7 @@ def running(place: cells.Place, extra: dict[str, list[str]]) -> Iterator[tuple[B
 
 
 def hydrohil(*arguments: str, place: cells.Place | None = None) -> subprocess.CompletedProcess[str]:
-    """`hydrohil ...` to its end; what is measured here is measured above a signed rate too."""
+    """`hydrohil ...` to its end; what is measured here is measured above a qualified rate too."""
     arguments += ("--unqualified",) * (arguments[0] == "run")
     where = [] if place is None else place.words
     return subprocess.run([sys.executable, "-m", "hydrohil", *arguments, *where], capture_output=True, text=True, check=False)

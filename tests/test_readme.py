@@ -17,7 +17,7 @@ from hydrohil.experiment.overrides import with_overrides
 from hydrohil.shared.contract import messages
 from hydrohil.shared.contract.codec import WIRE_VERSION, Header, Received, decode, encode
 from hydrohil.shared.contract.messages import NO_TRIAL, Command, ControllerState, Sample
-from hydrohil.shared.contract.topics import ANSWER, ASK, BY_KEY, BY_SCHEMA, HERALD, SERVICES, TOPICS, expression
+from hydrohil.shared.contract.topics import ANSWER, ASK, BY_KEY, BY_SCHEMA, SERVICES, TOPICS, WARMUP, expression
 from hydrohil.shared.host import process
 from hydrohil.shared.transport.endpoints import LISTENERS
 from hydrohil.thesis.library import find
@@ -78,7 +78,7 @@ def test_the_topic_table_is_that_of_the_code() -> None:
         )
         for topic in TOPICS
     ]
-    assert f"`{HERALD.key}` (schema {HERALD.schema})" in README
+    assert f"`{WARMUP.key}` (schema {WARMUP.schema})" in README
 
 
 def test_the_wire_page_names_every_key_and_schema() -> None:
@@ -172,10 +172,10 @@ def still() -> SimpleNamespace:
     return SimpleNamespace(**names)
 
 
-def sample_frame(arming: int = 11) -> bytes:
+def sample_frame(arming_id: int = 11) -> bytes:
     zero = (2048, 2048, 2048)
     sample = Sample(42, 42 * NS_PER_PERIOD, NO_TRIAL, 0, (1, 2, 3, 4, 5), 22, zero, 0, 1, 0, (0, 0, 0), 41, 0, 0)
-    header = Header(WIRE_VERSION, 1, CELL, 0, b"", "plant", 5, arming, 42, 42, 42 * NS_PER_PERIOD)
+    header = Header(WIRE_VERSION, 1, CELL, 0, b"", "plant", 5, arming_id, 42, 42, 42 * NS_PER_PERIOD)
     return encode(expression(CELL, "plant/sample"), header, sample)
 
 
@@ -197,7 +197,7 @@ def test_the_foreign_controller_answers_with_frames_that_the_codec_accepts(still
     assert answer.body == Command((2048, 2048, 2048))
     assert isinstance(thought.body, ControllerState) and thought.body.ready == 1
     for header in (answer.header, thought.header):
-        assert (header.arming, header.echo_number, header.echo_time_ns) == (11, 42, 42 * NS_PER_PERIOD)
+        assert (header.arming_id, header.echo_number, header.echo_time_ns) == (11, 42, 42 * NS_PER_PERIOD)
         assert (header.sender, header.seq) == ("controller", 0)
 
 

@@ -31,7 +31,7 @@ _FROM_STATE = (
     "current_a",
 )
 _JOINED = ("plant/sample", "controller/command", "controller/state", "supervisor/permit", "plant/gate")
-CHANGED = "controller/changed"
+CHANGED = "controller/parameter_change"
 DEPTH = 1 << 20  # frames; an hour at 222 Hz
 
 
@@ -50,7 +50,7 @@ CUTS = {
     GateCause.ESTOP: "the operator's emergency stop",
     GateCause.LINK_FAULTS: "frames of a command or permit came corrupt, again or out of order (in a second)",
     GateCause.TWO_PUBLISHERS: "there are two controllers or two supervisors, each with an epoch of its own (frames in a second)",
-    GateCause.OVERSLEPT: "the plant stood still for longer than the lease",
+    GateCause.OVERRUN: "the plant stood still for longer than the lease",
 }
 
 
@@ -114,7 +114,7 @@ class Collector:
     def _cut(self, run: int) -> str:
         """Why the gate cut in this run, in words; "" if it told of no cut."""
         events = (m.body for m in self._messages(self.gate_events) if m.header.run == run)
-        event = next((body for body in events if body.state == GateState.BURNED), None)
+        event = next((body for body in events if body.state == GateState.REVOKED), None)
         if event is None:
             return ""
         cause = GateCause(event.cause)

@@ -39,7 +39,7 @@ def is_service(pid: int, service: str, cell: str) -> bool:
     return named and any(word in (cell, f"--cell={cell}") for word in (*words, DEFAULT_CELL))
 
 
-class Strikes:
+class ProcessFaults:
     """The process faults of one trial, each carried out once at its time and undone at its end, or the trial's."""
 
     def __init__(self, bus: Bus, faults: Iterable[Fault], duration_s: float) -> None:

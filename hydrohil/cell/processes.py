@@ -34,7 +34,7 @@ class RefusedError(CellError):
 
 
 class UnqualifiedError(CellError):
-    """The experiment's rate is above the one that this host is signed for."""
+    """The experiment's rate is above the one that this host is qualified for."""
 
 
 class TrippedError(CellError):

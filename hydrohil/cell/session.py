@@ -7,11 +7,11 @@ from contextlib import closing
 from typing import Any, NamedTuple
 
 from hydrohil.cell.collect import Collector, GapError
-from hydrohil.cell.process_faults import Strikes
+from hydrohil.cell.process_faults import ProcessFaults
 from hydrohil.cell.processes import LOOP, CellError, TrippedError, UnqualifiedError, ask, statuses
 from hydrohil.claims.trace import Trace
 from hydrohil.experiment.experiment import Experiment, to_plain
-from hydrohil.services.plant.config import bias_ticks
+from hydrohil.services.plant.config import tare_ticks
 from hydrohil.shared.contract.codec import Received, Rejected
 from hydrohil.shared.contract.envelope import seal
 from hydrohil.shared.contract.faults import of_group
@@ -52,7 +52,7 @@ class Live(NamedTuple):
 def load(bus: Bus, experiment: Experiment, seed: int, clock: str, *, unqualified: bool = False) -> Loaded:
     """All validate and return the hash, then all commit; returns the run's number and what the controller warns of.
 
-    Raises CellError; UnqualifiedError where this host is not signed for the rate and that is not `unqualified` on purpose.
+    Raises CellError; UnqualifiedError where this host is not qualified for the rate and that is not `unqualified` on purpose.
     """
     supervisor = ask(bus, "supervisor", "status")
     if supervisor["mode"] == Mode.TRIPPED.name:
@@ -61,7 +61,7 @@ def load(bus: Bus, experiment: Experiment, seed: int, clock: str, *, unqualified
     envelope = sealed(experiment, run, seed, clock)
     answers = {service: ask(bus, service, "load", envelope=envelope, unqualified=unqualified) for service in LOOP}
     if clock == "real" and not unqualified:
-        _refuse_beyond_signed(answers["supervisor"], experiment)
+        _refuse_beyond_qualified(answers["supervisor"], experiment)
     digests = {service: answer["digest"] for service, answer in answers.items()}
     if len(set(digests.values())) != 1:
         raise CellError(f"the services disagree on the experiment's hash: {digests}")
@@ -70,7 +70,7 @@ def load(bus: Bus, experiment: Experiment, seed: int, clock: str, *, unqualified
     return Loaded(run, tuple(map(str, answers["controller"].get("warnings") or ())))
 
 
-def _refuse_beyond_signed(told: dict[str, Any], experiment: Experiment) -> None:
+def _refuse_beyond_qualified(told: dict[str, Any], experiment: Experiment) -> None:
     """Say at once what the supervisor would say when it is to arm; with its answer it tells what is on record of its host."""
     period_ns = experiment.plant.sample_period_substeps * SUBSTEP_NS
     if what := beyond(of_plain(told.get("qualification")).qualified, period_ns):
@@ -84,7 +84,7 @@ def sealed(experiment: Experiment, run: int, seed: int, clock: str) -> str:
         run=run,
         seed=seed,
         clock=clock,
-        bias_ticks=bias_ticks(experiment.plant),
+        tare_ticks=tare_ticks(experiment.plant),
         duration_ticks=duration_ticks(experiment.duration_s, experiment.plant),
     )
 
@@ -166,7 +166,7 @@ def _play(
 ) -> Live:
     """What is loaded, from its arming to its end."""
     run, warnings = loaded
-    strikes = Strikes(bus, of_group(experiment.faults, "process"), experiment.duration_s)
+    strikes = ProcessFaults(bus, of_group(experiment.faults, "process"), experiment.duration_s)
 
     def told(trial_s: float) -> None:
         strikes.at(trial_s)

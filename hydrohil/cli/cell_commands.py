@@ -200,7 +200,7 @@ def await_links(bus: Any, timeout_s: float = 1.0) -> None:
 
 def _counts(found: dict[str, Any] | None) -> str:
     """What a service did not use of the frames that came, a line a topic."""
-    received: dict[str, dict[str, int]] = (found or {}).get("reception", {})
+    received: dict[str, dict[str, int]] = (found or {}).get("link_stats", {})
     lines = []
     for topic, counts in received.items():
         named = [f"{count} {name.replace('_', ' ')}" for name, count in counts.items() if name != "accepted"]

@@ -75,7 +75,7 @@ def _play(
     from hydrohil.cell.processes import Place
     from hydrohil.faulttest.report import Report
     from hydrohil.faulttest.rig import Rig, lockstep_extra
-    from hydrohil.faulttest.run import Battery, Wish, total
+    from hydrohil.faulttest.run import FaultTest, Wish, total
     from hydrohil.reproduction.report import machine
 
     wish, began, interrupted = Wish(*wished), time.perf_counter(), False
@@ -92,7 +92,7 @@ def _play(
             if trial is not None and not trial.held:
                 progress.console.print(f"[red bold]NOT SURVIVED[/] {title}: {trial.words}", highlight=False)
 
-        battery = Battery(chosen, {"L": stepped, "W": rig}, wish, show)
+        battery = FaultTest(chosen, {"L": stepped, "W": rig}, wish, show)
         try:
             battery.play()
         except KeyboardInterrupt:

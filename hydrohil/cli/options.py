@@ -44,7 +44,7 @@ Injected = Annotated[
 ]
 Unqualified = Annotated[
     bool,
-    typer.Option("--unqualified", help="On the real clock, above the rate that `hydrohil qualify` has signed for this host."),
+    typer.Option("--unqualified", help="On the real clock, above the rate that `hydrohil qualify` has qualified for this host."),
 ]
 AsJson = Annotated[bool, typer.Option("--json", help="Print JSON.")]
 

@@ -1,4 +1,4 @@
-"""`hydrohil qualify`: is this host good enough for this rate? A table, a grade, and the highest rate that is signed."""
+"""`hydrohil qualify`: is this host good enough for this rate? A table, a grade, and the highest rate that is qualified."""
 
 import json
 from collections.abc import Sequence
@@ -20,7 +20,7 @@ if TYPE_CHECKING:
     from hydrohil.qualification.measure import Measured, Wish
     from hydrohil.qualification.record import Tried
 
-RATES_HZ = (1000.0, 500.0, 222.2, 100.0)  # tried from the highest down, until one is signed
+RATES_HZ = (1000.0, 500.0, 222.2, 100.0)  # tried from the highest down, until one is qualified
 FIRST_PORT = 7750  # beside a cell that is up, and beside the battery's
 SHORTEST_SUBSTEPS, LONGEST_SUBSTEPS = 20, 200  # sampling periods that a plant accepts
 LOOP_S, BASELINE_S = 20.0, 5.0
@@ -43,12 +43,12 @@ def qualify(
     cell: CellName = "qualify",
     port: Port = FIRST_PORT,
 ) -> None:
-    """Measure this host and grade it for a sampling rate; the highest rate that it signs goes on record.
+    """Measure this host and grade it for a sampling rate; the highest rate that it qualifies goes on record.
 
     Wake-ups, the machine's own limit, a bare ping-pong, then the full loop in a private cell. From then on a cell on this host
-    does not arm above the signed rate on the real clock, unless told `--unqualified`.
+    does not arm above the qualified rate on the real clock, unless told `--unqualified`.
 
-    Exit status: 0 signed, 1 no rate that was tried is signed, 2 usage, 5 no cell comes up, 130 interrupted (nothing is recorded).
+    Exit status: 0 qualified, 1 no rate that was tried is qualified, 2 usage, 5 no cell comes up, 130 interrupted (nothing is recorded).
 
     Examples: `hydrohil qualify`, `hydrohil qualify --rate-hz 500 --seconds 60`, `hydrohil qualify --quick --json runs/host.json`
     """
@@ -68,7 +68,7 @@ def qualify(
             measured = _with_bar(wish, period)
             granted = measured.granted
             tried.append(_judged(measured.figures))
-            if tried[-1].verdict.signed:
+            if tried[-1].verdict.qualified:
                 break
     except CellError as error:
         raise fail(error, EXIT_TRANSPORT) from None

@@ -70,7 +70,7 @@ def _share(share: float, digits: int) -> str:
 
 def _show_verdict(console: Console, one: Tried) -> None:
     figures, verdict = one.figures, one.verdict
-    colour = "green" if verdict.signed else "red"
+    colour = "green" if verdict.qualified else "red"
     numbers = (
         f"{_share(late_share(figures), 2)} late, worst 100 samples {_share(figures.worst_window, 0)} in time, "
         f"{_count(figures.lost)} frames lost, "
@@ -84,13 +84,13 @@ def _show_verdict(console: Console, one: Tried) -> None:
 
 def as_plain(host: Host, facts: Sequence[Found], tried: Sequence[Tried], *, fifo: bool) -> dict[str, Any]:
     """Everything for a machine; null is what was not measured."""
-    signed = [one for one in tried if one.verdict.signed]
+    qualified = [one for one in tried if one.verdict.qualified]
     return {
         "host": host._asdict(),
         "fifo": fifo,
         "source_version": source_version(),
         "found": [fact._asdict() for fact in facts],
         "trials": [plain(one) for one in tried],
-        "signed_period_ns": min((one.figures.period_ns for one in signed), default=None),
-        "exit_status": 0 if signed else 1,
+        "qualified_period_ns": min((one.figures.period_ns for one in qualified), default=None),
+        "exit_status": 0 if qualified else 1,
     }

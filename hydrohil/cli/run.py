@@ -40,7 +40,7 @@ class Wanted(NamedTuple):
     rrd: Path | None
     trace: Path | None
     extra: dict[str, list[str]]
-    unqualified: bool = False  # above the rate that this host is signed for, on purpose
+    unqualified: bool = False  # above the rate that this host is qualified for, on purpose
 
 
 def run_experiment(place: cells.Place, wanted: Wanted, console: Console) -> Report:

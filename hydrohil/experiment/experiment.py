@@ -15,7 +15,7 @@ from hydrohil.claims.claims import Claim, problems
 from hydrohil.experiment.errors import ExperimentError, from_validation, unreadable
 from hydrohil.services.controller.checks import check
 from hydrohil.services.controller.config import Changes, ControllerConfig, Reference
-from hydrohil.services.controller.contact_environment import Surroundings, surroundings
+from hydrohil.services.controller.contact_environment import ContactEnvironment, contact_environment
 from hydrohil.services.controller.parameter_schedule import scheduled
 from hydrohil.services.controller.preflight import preflight
 from hydrohil.services.plant.config import PlantConfig, latch_substeps, trial_ticks
@@ -91,7 +91,7 @@ def checked(experiment: Experiment, where: str, written_faults: Sequence[Any] | 
 def _section_problems(experiment: Experiment) -> list[str]:
     """What each service says of fields that are valid one by one but do not fit together."""
     plant, found = experiment.plant, []
-    met = surroundings(to_plain(plant))
+    met = contact_environment(to_plain(plant))
     checks: tuple[Callable[[], object], ...] = (
         lambda: latch_substeps(plant),
         lambda: contact_params(plant.environment),
@@ -106,7 +106,7 @@ def _section_problems(experiment: Experiment) -> list[str]:
     return found
 
 
-def _check_changes(experiment: Experiment, met: Surroundings) -> None:
+def _check_changes(experiment: Experiment, met: ContactEnvironment) -> None:
     """Raise ValueError where a change may not be, or leads to a configuration that could not be loaded."""
     plant = experiment.plant
     for config in _acting(experiment)[1:]:
@@ -122,7 +122,7 @@ def _acting(experiment: Experiment) -> tuple[ControllerConfig, ...]:
 
 def warnings(experiment: Experiment) -> tuple[str, ...]:
     """What an operator should know before it runs, one line a warning; none of them keeps it from running."""
-    met = surroundings(to_plain(experiment.plant))
+    met = contact_environment(to_plain(experiment.plant))
     return tuple(dict.fromkeys(line for config in _acting(experiment) for line in preflight(config, met)))
 
 

@@ -8,8 +8,8 @@ from collections.abc import Callable
 from typing import Any, NamedTuple
 
 from hydrohil.services.plant.config import GateLimits, PlantConfig
-from hydrohil.services.plant.gate import CommandSeen, GateInput, GateMemory, PermitSeen, gate_step
-from hydrohil.services.plant.plant_description import about
+from hydrohil.services.plant.gate import CommandObservation, GateInput, GateMemory, PermitObservation, gate_step
+from hydrohil.services.plant.plant_description import describe
 from hydrohil.services.supervisor.config import SupervisorConfig
 from hydrohil.services.supervisor.modes import Event, Facts, next_mode
 from hydrohil.services.supervisor.observe import Heard, Links, observe_step, watch_start
@@ -47,7 +47,7 @@ CONDITIONS: dict[GateCause, Callable[[GateInput, GateMemory], GateInput]] = {  #
     GateCause.PERMIT_STALE: _permit(age_ns=LIMITS.permit_ttl_ns + 1),
     GateCause.NO_COMMAND: _command(present=False),
     GateCause.COMMAND_STALE: _command(age_ns=LIMITS.command_ttl_ns + 1),
-    GateCause.OTHER_ARMING: lambda seen, _: seen._replace(command=seen.command._replace(arming=seen.command.arming + 1)),
+    GateCause.OTHER_ARMING: lambda seen, _: seen._replace(command=seen.command._replace(arming_id=seen.command.arming_id + 1)),
     GateCause.EPOCH_CHANGED: _command(epoch=_CONTROLLER + 1),
     GateCause.IMPOSSIBLE_ECHO: _command(age_ns=-1),
     GateCause.OUT_OF_RANGE: _command(codes=(ZERO_CODE, LIMITS.max_code + 1, ZERO_CODE)),
@@ -56,9 +56,9 @@ CONDITIONS: dict[GateCause, Callable[[GateInput, GateMemory], GateInput]] = {  #
     GateCause.FORCE_ABOVE_LIMIT: lambda seen, _: seen._replace(force_n=LIMITS.force_limit_n + 1.0),
     GateCause.NOT_UNLOADING: _command(codes=(ZERO_CODE, ZERO_CODE + 12, ZERO_CODE)),
     GateCause.ESTOP: lambda seen, _: seen._replace(estop=True),
-    GateCause.OVERSLEPT: lambda seen, _: seen._replace(overslept=True),
+    GateCause.OVERRUN: lambda seen, _: seen._replace(overrun=True),
     GateCause.LINK_FAULTS: lambda seen, _: seen._replace(link_faults=LIMITS.faults_per_s + 1),
-    GateCause.TWO_PUBLISHERS: lambda seen, _: seen._replace(rivals=LIMITS.faults_per_s + 1),
+    GateCause.TWO_PUBLISHERS: lambda seen, _: seen._replace(epoch_conflicts=LIMITS.faults_per_s + 1),
 }
 
 
@@ -70,8 +70,8 @@ class Scene(NamedTuple):
     flags: frozenset[str] = frozenset(("may_arm", "can_recover", "held"))  # facts that are true
     conditions: frozenset[GateCause] = frozenset()  # of the gate, that do not hold
     cause: TripCause = TripCause.NONE  # latched by the trip
-    arming: int = 0
-    armings: int = 0  # drawn so far
+    arming_id: int = 0
+    arming_ids: int = 0  # drawn so far
     gate: GateMemory = GateMemory()
     pressed: bool = False  # an emergency stop that no reset has released
 
@@ -96,7 +96,7 @@ def deciding(broken: frozenset[TripCause]) -> TripCause:
 
 def broken_now(scene: Scene) -> frozenset[TripCause]:
     """The rules that do not hold, with the one that the supervisor reads from the gate's last state."""
-    cut = scene.mode == Mode.RUNNING and scene.gate.state == GateState.BURNED
+    cut = scene.mode == Mode.RUNNING and scene.gate.state == GateState.REVOKED
     return scene.broken | {TripCause.GATE_CUT} if cut else scene.broken
 
 
@@ -115,16 +115,16 @@ def mode_after(scene: Scene, event: Event) -> Mode:
 def after(scene: Scene, event: Event) -> Scene:
     """One sample: the supervisor judges and issues a permit, the gate judges permit, command and force."""
     mode = mode_after(scene, event)
-    arming, armings = (scene.arming if mode in _PERMITTED else 0), scene.armings
+    arming_id, arming_ids = (scene.arming_id if mode in _PERMITTED else 0), scene.arming_ids
     if mode in (Mode.ARMED, Mode.RECOVER) and mode != scene.mode:
-        arming = armings = armings + 1
+        arming_id = arming_ids = arming_ids + 1
     cause = scene.cause
     if mode == Mode.DISARMED:
         cause = TripCause.NONE
     elif mode == Mode.TRIPPED and scene.mode not in (Mode.TRIPPED, Mode.RECOVER):
         cause = TripCause.ESTOP if event == Event.ESTOP or stopped(scene) else deciding(broken_now(scene))
     pressed = event == Event.ESTOP or stopped(scene) or (scene.pressed and event != Event.RESET)
-    changed = scene._replace(mode=mode, arming=arming, armings=armings, cause=cause, pressed=pressed)
+    changed = scene._replace(mode=mode, arming_id=arming_id, arming_ids=arming_ids, cause=cause, pressed=pressed)
     return changed._replace(gate=gate_step(scene.gate, LIMITS, gate_input(changed), True))
 
 
@@ -151,8 +151,8 @@ def reached(mode: Mode) -> Scene:
 def gate_input(scene: Scene) -> GateInput:
     """Permit, command and force as the gate sees them, with the broken conditions in them."""
     recovers = scene.mode == Mode.RECOVER
-    permit = PermitSeen(True, scene.arming, _SUPERVISOR, int(scene.mode), _AGE_NS, _LOADS if recovers else (0, 0, 0))
-    command = CommandSeen(True, scene.arming, _CONTROLLER, _AGE_NS, 0, _UNLOADS if recovers else _RUNS)
+    permit = PermitObservation(True, scene.arming_id, _SUPERVISOR, int(scene.mode), _AGE_NS, _LOADS if recovers else (0, 0, 0))
+    command = CommandObservation(True, scene.arming_id, _CONTROLLER, _AGE_NS, 0, _UNLOADS if recovers else _RUNS)
     seen = GateInput(permit, command, 10, 13.5, 0, False, False, 0, 0)
     for cause in sorted(scene.conditions):
         seen = CONDITIONS[cause](seen, scene.gate)
@@ -167,7 +167,7 @@ def told(scene: Scene) -> dict[str, Any]:
         "decides": deciding(broken_now(scene)).name,
         "broken": [cause.name for cause in sorted(broken_now(scene))],
         "facts": {name: name in scene.flags for name in FLAGS},
-        "arming": scene.arming,
+        "arming_id": scene.arming_id,
         "gate": {
             "state": GateState(scene.gate.state).name,
             "cause": GateCause(scene.gate.cause).name,
@@ -197,7 +197,7 @@ def limit_of(cause: TripCause) -> str:
 
 def _at_rest() -> tuple[Observed, Limits]:
     """A machine that stands level, and the default limits."""
-    described = about(PlantConfig(), LIMITS)
+    described = describe(PlantConfig(), LIMITS)
     params = supervisor_params(SupervisorConfig(), described, 0, 0)
     counts = tuple(round((0.0 - c.offset) / c.scale) for c in described.encoders)
     sample = Sample(1, 0, NO_TRIAL, 0, counts, 10, ZERO, 0, 0, 0, (0, 0, 0), 0, 0, 0)

@@ -130,7 +130,7 @@ def _two_periods(period_s: float) -> float:
 def struck_live(rig: Rig, dice: Random, number: int) -> Trial:
     """The same with real processes: from the arrival of the first sample above the limit; the overshoot in N."""
     rig.started(STRIKE, dice.randrange(1 << 32))
-    burned = int(rig.status("plant")["burned_armings"])
+    revoked = int(rig.status("plant")["revoked_arming_ids"])
     rig.await_(lambda: rig.status("supervisor").get("mode") == Mode.TRIPPED.name, "the over-force trip")
     heard = rig.observer.listen_for(WATCHED_S)
     limit_n = STRIKE.supervisor.force_limit_n
@@ -138,12 +138,12 @@ def struck_live(rig: Rig, dice: Random, number: int) -> Trial:
     bias = N_PER_FORCE_COUNT * sum(before) / max(1, len(before))
     above = [m for m in heard.samples if m.body.tick >= 0 and m.body.force_counts * N_PER_FORCE_COUNT - bias > limit_n]
     began_ns = next(m.arrival_ns for m in heard.samples if m.body.tick != NO_TRIAL)  # before, the tool may still be in contact
-    peak_n = max(m.body.contact_force_n for m in since(heard.truths, began_ns))
+    peak_n = max(m.body.contact_force_n for m in since(heard.ground_truths, began_ns))
     told = f"peak {peak_n:.0f} N, overshoot {peak_n - limit_n:.0f} N"
     if not above:
-        return confirmed(rig, Trial(True, f"zero current before the force limit was reached; {told}"), burned, tripped=True)
+        return confirmed(rig, Trial(True, f"zero current before the force limit was reached; {told}"), revoked, tripped=True)
     trial = judged(heard, above[0].arrival_ns, 2.0 * period_s(STRIKE) + hop_s(heard))
     at_ns = zero_at(heard, above[0].arrival_ns) or above[0].arrival_ns
     samples = sum(m.arrival_ns < at_ns for m in since(heard.samples, above[0].arrival_ns)) - 1
     words = f"{trial.words}; zero {max(0, samples)} samples after the limit; {told}"
-    return confirmed(rig, trial._replace(words=words), burned, tripped=True)
+    return confirmed(rig, trial._replace(words=words), revoked, tripped=True)

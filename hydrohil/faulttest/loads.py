@@ -58,7 +58,7 @@ def same_timing(quiet: Sequence[float], loaded: Sequence[float]) -> tuple[bool, 
 def unharmed(heard: Heard, quiet: Sequence[Received], loaded: Sequence[Received]) -> Trial:
     """The trial ran on, with the same timing."""
     same, words = same_timing(ways_ms(quiet), ways_ms(loaded))
-    cut = next((m.body for m in heard.gates if m.body.state == GateState.BURNED), None)
+    cut = next((m.body for m in heard.gates if m.body.state == GateState.REVOKED), None)
     if cut is not None:
         return Trial(False, f"the gate has cut (cause {cut.cause}); {words}")
     return Trial(same, words)
@@ -198,7 +198,7 @@ class Flood:
 
 def discarded(rig: Rig) -> int:
     """Commands that the plant has discarded, whatever the cause."""
-    told = rig.status("plant")["reception"]["controller/command"]
+    told = rig.status("plant")["link_stats"]["controller/command"]
     return sum(value for name, value in told.items() if name == "sender")
 
 
@@ -225,5 +225,5 @@ def hogged(rig: Rig, dice: Random, number: int) -> Trial:
 
 def _cut(heard: Heard) -> list[Received]:
     """Samples from the gate's first cut on; none if it never cut."""
-    at_ns = next((m.arrival_ns for m in heard.gates if m.body.state == GateState.BURNED), None)
+    at_ns = next((m.arrival_ns for m in heard.gates if m.body.state == GateState.REVOKED), None)
     return [] if at_ns is None else since(heard.samples, at_ns)

@@ -131,12 +131,12 @@ def live(rig: Rig, dice: Random, number: int, target: str) -> Trial:
     fault = Fault("partition", target, at_s)
     experiment = motion(number)._replace(faults=(fault,))
     rig.started(experiment, dice.randrange(1 << 32))
-    burned = int(rig.status("plant")["burned_armings"])
+    revoked = int(rig.status("plant")["revoked_arming_ids"])
     lease_s = rig.lease_s()
     rig.await_(lambda: any(_has(m, fault) for m in rig.observer.listen().samples[-20:]), "the partition")
     heard = rig.observer.listen_for(lease_s + WATCHED_S)
     blow_ns = next(m.arrival_ns for m in heard.samples if _has(m, fault))
-    return confirmed(rig, judged(heard, blow_ns, lease_and_period(lease_s)), burned, tripped=True)
+    return confirmed(rig, judged(heard, blow_ns, lease_and_period(lease_s)), revoked, tripped=True)
 
 
 def _has(sample: Received, fault: Fault) -> bool:

@@ -1,6 +1,6 @@
 """The matrix: what can break, what must happen, within which bound, and how each row is tried.
 
-T is the sample period, the lease the longest age of a command or permit. Safe: D/A at zero current, arming burned, the permit
+T is the sample period, the lease the longest age of a command or permit. Safe: D/A at zero current, arming revoked, the permit
 withdrawn and latched.
 """
 

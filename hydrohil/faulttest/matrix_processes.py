@@ -60,7 +60,7 @@ PROCESSES = (
     Row(
         "5b",
         "plant frozen, thawed",
-        "D/A to zero by its own watchdog; arming burned on waking",
+        "D/A to zero by its own watchdog; arming revoked on waking",
         "lease, of simulated time",
         (
             Lived("SIGSTOP, SIGCONT; judged by its first words", plant_frozen),

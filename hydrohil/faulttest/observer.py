@@ -31,7 +31,7 @@ class Heard(NamedTuple):
     """Everything since the last trial began, in the order of arrival."""
 
     samples: list[Received]
-    truths: list[Received]
+    ground_truths: list[Received]
     gates: list[Received]
     permits: list[Received]
     commands: list[Received]
@@ -42,7 +42,7 @@ class Observer:
 
     def __init__(self, bus: Bus) -> None:
         """Subscribe."""
-        keys = ("plant/sample", "plant/truth", "plant/gate", "supervisor/permit", "controller/command")
+        keys = ("plant/sample", "plant/ground_truth", "plant/gate", "supervisor/permit", "controller/command")
         self._inboxes: tuple[Inbox, ...] = tuple(bus.subscribe(key, RING) for key in keys)
         self.heard = Heard([], [], [], [], [])
 
@@ -99,14 +99,14 @@ def stalled_s(heard: Heard, blow_ns: int) -> float:
 
 def moved(heard: Heard, blow_ns: int) -> tuple[float, float]:
     """Largest way of the tip (mm) and change of the contact force (N) from the blow on; by what only an emulator knows."""
-    before = [truth for truth in heard.truths if truth.arrival_ns < blow_ns]
-    after = [truth.body for truth in since(heard.truths, blow_ns)]
+    before = [ground_truth for ground_truth in heard.ground_truths if ground_truth.arrival_ns < blow_ns]
+    after = [ground_truth.body for ground_truth in since(heard.ground_truths, blow_ns)]
     if not before or not after:
         return math.nan, math.nan
     start = before[-1].body
     return (
-        max(1000.0 * math.dist(truth.tip_m, start.tip_m) for truth in after),
-        max(abs(truth.contact_force_n - start.contact_force_n) for truth in after),
+        max(1000.0 * math.dist(ground_truth.tip_m, start.tip_m) for ground_truth in after),
+        max(abs(ground_truth.contact_force_n - start.contact_force_n) for ground_truth in after),
     )
 
 

@@ -33,12 +33,12 @@ def stopped_by(rig: Rig, dice: Random, number: int, operators: int) -> Trial:
     """E-stop, pressed by one operator or by several at the same instant, at gate and supervisor."""
     experiment = motion(number)
     rig.moving(experiment, dice)
-    burned = int(rig.status("plant")["burned_armings"])
+    revoked = int(rig.status("plant")["revoked_arming_ids"])
     rig.observer.listen()
     blow_ns = time.monotonic_ns()
     _press(rig, operators)
     heard = rig.observer.listen_for(WATCHED_S)
-    return confirmed(rig, judged(heard, blow_ns, period_s(experiment) + hop_s(heard)), burned, tripped=True)
+    return confirmed(rig, judged(heard, blow_ns, period_s(experiment) + hop_s(heard)), revoked, tripped=True)
 
 
 def _press(rig: Rig, operators: int) -> None:
@@ -58,7 +58,7 @@ def _press(rig: Rig, operators: int) -> None:
 def stopped_while_tripped(rig: Rig, dice: Random, number: int) -> Trial:
     """E-stop after a frozen controller has already led to a trip: it stays safe, and stays so when the controller thaws."""
     rig.moving(motion(number), dice)
-    burned, lease_s = int(rig.status("plant")["burned_armings"]), rig.lease_s()
+    revoked, lease_s = int(rig.status("plant")["revoked_arming_ids"]), rig.lease_s()
     victim = rig.processes["controller"]
     blow_ns = time.monotonic_ns()
     victim.send_signal(signal.SIGSTOP)
@@ -66,7 +66,7 @@ def stopped_while_tripped(rig: Rig, dice: Random, number: int) -> Trial:
     _press(rig, 1)
     victim.send_signal(signal.SIGCONT)
     heard = rig.observer.listen_for(WATCHED_S)
-    return confirmed(rig, judged(heard, blow_ns, lease_s + period_s(motion(number))), burned, tripped=True)
+    return confirmed(rig, judged(heard, blow_ns, lease_s + period_s(motion(number))), revoked, tripped=True)
 
 
 def recovered(rig: Rig, dice: Random, number: int) -> Trial:
@@ -75,7 +75,7 @@ def recovered(rig: Rig, dice: Random, number: int) -> Trial:
     rig.moving(SWING, dice)  # a trial begins at its own pose: whatever pressed on the tool before is gone
     rig.started(experiment, dice.randrange(1 << 32))
     rig.await_(lambda: rig.status("supervisor").get("mode") == Mode.TRIPPED.name, "the over-force trip")
-    before = rig.observer.listen().truths[-1].body.contact_force_n
+    before = rig.observer.listen().ground_truths[-1].body.contact_force_n
     hop = hop_s(rig.observer.listen())
     released_ns = rig.recover(HELD_S)
     heard = rig.observer.listen_for(REFUSED_S)
@@ -88,7 +88,7 @@ def recovered(rig: Rig, dice: Random, number: int) -> Trial:
 def _unloaded(trial: Trial, heard: Heard, before_n: float) -> Trial:
     moved = [m.body for m in heard.samples if m.body.gate == GateState.RECOVERING]
     wrong = sum(not all(_allowed(c, s) for c, s in zip(b.dac_counts, b.recover_signs, strict=True)) for b in moved)
-    left_n = heard.truths[-1].body.contact_force_n
+    left_n = heard.ground_truths[-1].body.contact_force_n
     words = f"{trial.words}; {len(moved)} samples of RECOVER, {wrong} with another sign; from {before_n:.0f} to {left_n:.0f} N"
     return trial._replace(held=trial.held and bool(moved) and wrong == 0 and left_n < before_n, words=words)
 

@@ -20,9 +20,9 @@ BOUND = "bound"
 
 def page(report: Report) -> str:
     """The page's text."""
-    loader = ChoiceLoader([PackageLoader("battery", ""), PackageLoader("reproduction", "")])
+    loader = ChoiceLoader([PackageLoader("hydrohil.faulttest", ""), PackageLoader("hydrohil.pages", "")])
     environment = Environment(loader=loader, autoescape=True, trim_blocks=True)
-    return environment.get_template("battery.html").render(
+    return environment.get_template("faulttest.html").render(
         report=report,
         counts=counts(report.results),
         HELD=HELD,

@@ -35,7 +35,7 @@ def frozen(rig: Rig, dice: Random, number: int, service: str) -> Trial:
 def _struck(rig: Rig, dice: Random, number: int, service: str, how: signal.Signals) -> Trial:
     experiment = motion(number)
     rig.moving(experiment, dice)
-    burned, lease_s = int(rig.status("plant")["burned_armings"]), rig.lease_s()
+    revoked, lease_s = int(rig.status("plant")["revoked_arming_ids"]), rig.lease_s()
     bound_s = lease_s + period_s(experiment)
     victim = rig.processes[service]
     rig.observer.listen()
@@ -49,7 +49,7 @@ def _struck(rig: Rig, dice: Random, number: int, service: str, how: signal.Signa
         rig.revive()
     heard = rig.observer.listen_for(WATCHED_S)
     trial = judged(heard, blow_ns, bound_s)
-    return confirmed(rig, trial, burned, tripped=not (service == "supervisor" and how == signal.SIGKILL))
+    return confirmed(rig, trial, revoked, tripped=not (service == "supervisor" and how == signal.SIGKILL))
 
 
 def judged(heard: Heard, blow_ns: int, bound_s: float) -> Trial:
@@ -72,11 +72,11 @@ def judged(heard: Heard, blow_ns: int, bound_s: float) -> Trial:
     return trial if trial.in_time else trial._replace(held=False, words=f"zero current too late; {trial.words}")
 
 
-def confirmed(rig: Rig, trial: Trial, burned: int, *, tripped: bool) -> Trial:
-    """`trial`, if the arming is burned and the supervisor has latched a trip where it lived through."""
+def confirmed(rig: Rig, trial: Trial, revoked: int, *, tripped: bool) -> Trial:
+    """`trial`, if the arming is revoked and the supervisor has latched a trip where it lived through."""
     plant, supervisor = rig.status("plant"), rig.status("supervisor")
-    if not plant or int(plant["burned_armings"]) <= burned:
-        return trial._replace(held=False, words=f"{trial.words}; the arming is not burned")
+    if not plant or int(plant["revoked_arming_ids"]) <= revoked:
+        return trial._replace(held=False, words=f"{trial.words}; the arming is not revoked")
     if tripped and supervisor.get("mode") != Mode.TRIPPED.name:
         return trial._replace(held=False, words=f"{trial.words}; the supervisor is {supervisor.get('mode')}, not TRIPPED")
     return trial._replace(words=f"{trial.words}; {supervisor.get('words') or 'the gate: ' + str(plant['last_cut'])}")
@@ -109,12 +109,12 @@ def plant_killed(rig: Rig, dice: Random, number: int) -> Trial:
 def plant_frozen(rig: Rig, dice: Random, number: int) -> Trial:
     """SIGSTOP of the plant. Its emulated D/A falls to zero after one lease of simulated time, which stands still meanwhile.
 
-    So what is judged is the waking: the first word is zero current, the arming is burned, and simulated time went on by no
+    So what is judged is the waking: the first word is zero current, the arming is revoked, and simulated time went on by no
     more than the samples between. A sample that was under way when the plant froze is no waking.
     """
     experiment = motion(number)
     rig.moving(experiment, dice)
-    burned, lease_s = int(rig.status("plant")["burned_armings"]), rig.lease_s()
+    revoked, lease_s = int(rig.status("plant")["revoked_arming_ids"]), rig.lease_s()
     victim = rig.processes["plant"]
     victim.send_signal(signal.SIGSTOP)
     rig.observer.listen_for(lease_s + dice.uniform(*FROZEN_S))
@@ -124,7 +124,7 @@ def plant_frozen(rig: Rig, dice: Random, number: int) -> Trial:
     heard = rig.observer.listen_for(WATCHED_S)
     trial = judged(heard, thawed_ns, float("nan"))
     after = [sample for sample in since(heard.samples, thawed_ns) if sample.body.number > before.body.number]
-    trial = confirmed(rig, trial, burned, tripped=True)
+    trial = confirmed(rig, trial, revoked, tripped=True)
     return _woken(trial, before, after, longest_s(experiment), rig.status("plant"))
 
 
@@ -140,8 +140,8 @@ def _woken(trial: Trial, before: Any, after: list[Any], longest: float, plant: d
     unsafe = sum(not safe(sample) for sample in after)
     samples = after[0].body.number - before.body.number
     simulated_s = (after[0].body.time_ns - before.body.time_ns) / NS_PER_S
-    overslept = plant.get("last_cut") == GateCause.OVERSLEPT.name
-    whole = unsafe == 0 and overslept and simulated_s <= samples * longest
+    overrun = plant.get("last_cut") == GateCause.OVERRUN.name
+    whole = unsafe == 0 and overrun and simulated_s <= samples * longest
     words = (
         f"{trial.words}; after thawing {unsafe} samples with current, cut {plant.get('last_cut')}, simulated time went on by "
         f"{1000.0 * simulated_s:.1f} ms in {samples} samples"

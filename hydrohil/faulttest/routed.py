@@ -89,7 +89,7 @@ def router_struck(rig: Rig, dice: Random, number: int, how: signal.Signals) -> T
     experiment = motion(number)
     with _routed(rig) as (router, cell):
         cell.moving(experiment, dice)
-        burned, lease_s = int(cell.status("plant")["burned_armings"]), cell.lease_s()
+        revoked, lease_s = int(cell.status("plant")["revoked_arming_ids"]), cell.lease_s()
         bound_s = lease_s + period_s(experiment)
         cell.observer.listen()
         blow_ns = time.monotonic_ns()
@@ -104,7 +104,7 @@ def router_struck(rig: Rig, dice: Random, number: int, how: signal.Signals) -> T
         cell.await_(lambda: len(since(cell.observer.listen().samples, returned_ns)) > STEADY, "word of the plant", RETURN_S)
         heard = cell.observer.listen_for(WATCHED_S)
         trial = told(heard, blow_ns, cut_of(cell.status("plant")), bound_s)
-        return confirmed(cell, trial, burned, tripped=True)
+        return confirmed(cell, trial, revoked, tripped=True)
 
 
 class Cut(NamedTuple):
@@ -122,7 +122,7 @@ def cut_of(status: dict[str, Any]) -> Cut:
 def told(heard: Heard, blow_ns: int, cut: Cut, bound_s: float) -> Trial:
     """What the plant's own word and the samples around the silence say of one blow.
 
-    By what the cut is later against the grid than samples before the blow were, the plant overslept between.
+    By what the cut is later against the grid than samples before the blow were, the plant overran between.
     """
     before = [late_ns(sample) for sample in heard.samples if sample.arrival_ns < blow_ns][-STEADY:]
     after = [sample for sample in heard.samples if sample.body.time_ns > cut.grid_ns]
@@ -149,7 +149,7 @@ def mesh_runs_on(rig: Rig, dice: Random, number: int) -> Trial:
         blow_ns = time.monotonic_ns()
         router.kill()
         heard = rig.observer.listen_for(WATCHED_S)
-    cut = [event for event in since(heard.gates, blow_ns) if event.body.state == GateState.BURNED]
+    cut = [event for event in since(heard.gates, blow_ns) if event.body.state == GateState.REVOKED]
     after = since(heard.samples, blow_ns)
     open_still = bool(after) and after[-1].body.gate == GateState.OPEN
     return Trial(open_still and not cut, f"{len(after)} samples in {WATCHED_S:g} s after the kill; {rig.words()}")

@@ -26,7 +26,7 @@ class Wish(NamedTuple):
 Rigs = Mapping[str, Rig]  # "L": a cell for lockstep, "W": one for the wall clock
 
 
-class Battery:
+class FaultTest:
     """Rows under way; what is complete stays, whatever ends it."""
 
     def __init__(self, rows: Sequence[Row], rigs: Rigs, wish: Wish, show: Callable[[str, Trial | None], None]) -> None:

@@ -12,7 +12,7 @@ from hydrohil.pages.panels import Picture
 from hydrohil.shared.contract.converters import N_PER_FORCE_COUNT, UNIMATE_CONVERTERS, ZERO_CODE
 from hydrohil.shared.trips import formatting as trip_words
 from hydrohil.shared.trips.report import Document
-from hydrohil.shared.trips.tables import PERMIT, SAMPLE, STATE, TRUTH, Table, row_of
+from hydrohil.shared.trips.tables import GROUND_TRUTH, PERMIT, SAMPLE, STATE, Table, row_of
 from hydrohil.shared.units import NS_PER_S
 
 _LINKS = ("rotate", "down/up", "out/in")
@@ -85,11 +85,11 @@ def _scaled(table: Table, name: str, factor: float, zero_row: int | None = None)
 
 
 def _forces(signals: Any) -> list[tuple[str, Table, Reals | None]]:
-    samples, state, truth, permits = (signals.get(topic, {}) for topic in (SAMPLE, STATE, TRUTH, PERMIT))
+    samples, state, ground_truth, permits = (signals.get(topic, {}) for topic in (SAMPLE, STATE, GROUND_TRUTH, PERMIT))
     return [
         ("raw reading", samples, _scaled(samples, "force_counts", N_PER_FORCE_COUNT)),
         ("tared", state, _column(state, "force_n")),
-        ("true contact", truth, _column(truth, "contact_force_n")),
+        ("true contact", ground_truth, _column(ground_truth, "contact_force_n")),
         ("supervisor's limit", permits, _column(permits, "force_limit_n")),
     ]
 

@@ -1,7 +1,7 @@
-"""The rule by which a rate is signed: measured numbers in, a grade out. Nothing else decides.
+"""The rule by which a rate is qualified: measured numbers in, a grade out. Nothing else decides.
 
 Each condition says what must HOLD, so that a number that is missing (NaN) fails. Those that are `borne` must hold for a trial to
-run at all; all of them must hold for a rate to be signed.
+run at all; all of them must hold for a rate to be qualified.
 """
 
 import math
@@ -20,9 +20,9 @@ ENOUGH_SAMPLES = 1000  # fewer cannot show one in a thousand
 _NS_PER_US, _NS_PER_MS = 1e3, 1e6
 GRADES = {
     "A": "every sample on time, and the lease of industrial arms suffices: real runs equal lockstep",
-    "B": "signed",
-    "C": "not signed; trials run, with more late samples than a claim should bear",
-    "D": "not signed; trials trip, have gaps, or come close to it",
+    "B": "qualified",
+    "C": "not qualified; trials run, with more late samples than a claim should bear",
+    "D": "not qualified; trials trip, have gaps, or come close to it",
 }
 
 
@@ -66,7 +66,7 @@ class Verdict(NamedTuple):
     """A rate, judged."""
 
     grade: str
-    signed: bool
+    qualified: bool
     reasons: tuple[str, ...]  # conditions that do not hold
 
 
@@ -169,16 +169,16 @@ def is_evidence(figures: Figures) -> bool:
     return figures.ended != "" or figures.samples >= ENOUGH_SAMPLES
 
 
-def signed_period_ns(verdicts: dict[int, Verdict]) -> int:
-    """The shortest period (by its ns) that is signed with no longer one tried in vain; 0 = none."""
-    signed = 0
+def qualified_period_ns(verdicts: dict[int, Verdict]) -> int:
+    """The shortest period (by its ns) that is qualified with no longer one tried in vain; 0 = none."""
+    qualified = 0
     for period_ns in sorted(verdicts, reverse=True):
-        if not verdicts[period_ns].signed:
+        if not verdicts[period_ns].qualified:
             break
-        signed = period_ns
-    return signed
+        qualified = period_ns
+    return qualified
 
 
 def deciding_period_ns(verdicts: dict[int, Verdict]) -> int:
-    """The trial that a record quotes: that of the signed rate, or of the lowest rate tried."""
-    return signed_period_ns(verdicts) or max(verdicts)
+    """The trial that a record quotes: that of the qualified rate, or of the lowest rate tried."""
+    return qualified_period_ns(verdicts) or max(verdicts)

@@ -66,7 +66,7 @@ def loop_figures(figures: Figures, ended: str, seen: Timing, status: Mapping[str
     late = counters.get("lateness_us") or {}
     answered = all(service in status for service in cells.LOOP)
     lost = sum(
-        counts.get("lost", 0) for service in cells.LOOP for counts in status.get(service, {}).get("reception", {}).values()
+        counts.get("lost", 0) for service in cells.LOOP for counts in status.get(service, {}).get("link_stats", {}).values()
     )
     return figures._replace(
         ended=ended,

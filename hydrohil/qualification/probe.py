@@ -17,7 +17,7 @@ from hydrohil.qualification.spread import spread
 from hydrohil.qualification.wakeups import cyclictest, lateness_us, nanosleep_lateness_us
 from hydrohil.shared.host.child import environment, python_module
 from hydrohil.shared.host.process import DEFAULT_CELL, EXIT_OK, EXIT_TRANSPORT
-from hydrohil.shared.host.realtime import Granted, claim, die_with_parent
+from hydrohil.shared.host.realtime import Granted, die_with_parent, request_realtime
 from hydrohil.shared.transport.bus import DEFAULT_PORT, BusError
 from hydrohil.shared.units import NS_PER_S
 
@@ -96,7 +96,7 @@ def main(arguments: list[str] | None = None) -> int:
     signal.signal(signal.SIGTERM, lambda *_: sys.exit(EXIT_TRANSPORT))  # so that nothing that was started is left
     if not die_with_parent(given.parent):
         return EXIT_OK
-    granted = claim(realtime=not given.no_realtime)
+    granted = request_realtime(realtime=not given.no_realtime)
     asked = Asked(Place(given.cell, given.port), given.period_ns, given.seconds, not given.no_realtime)
     try:
         if given.what == "echo":

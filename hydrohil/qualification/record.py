@@ -14,7 +14,7 @@ from hydrohil.qualification.grading import (
     is_evidence,
     late_share,
     lease_ns,
-    signed_period_ns,
+    qualified_period_ns,
 )
 from hydrohil.shared.compiled.kernel import source_version
 from hydrohil.shared.host.qualified import Host, Qualified
@@ -80,11 +80,11 @@ def _kept(path: Path, host: Host) -> dict[int, dict[str, Any]]:
 
 def summary(trials: dict[int, dict[str, Any]]) -> Qualified:
     """What is quoted of a record. Raises KeyError where a trial lacks a figure."""
-    verdicts = {period_ns: Verdict(trial["grade"], trial["signed"], ()) for period_ns, trial in trials.items()}
+    verdicts = {period_ns: Verdict(trial["grade"], trial["qualified"], ()) for period_ns, trial in trials.items()}
     decided = trials[deciding_period_ns(verdicts)]
     lease = decided["lease_ns"]
     return Qualified(
-        signed_period_ns(verdicts),
+        qualified_period_ns(verdicts),
         decided["grade"],
         decided["made"],
         decided["period_ns"],

@@ -2,7 +2,7 @@
 
 from itertools import groupby
 
-from jinja2 import Environment, PackageLoader
+from jinja2 import ChoiceLoader, Environment, PackageLoader
 
 from hydrohil.claims.claims import band
 from hydrohil.claims.pairs import PairClaim
@@ -16,7 +16,8 @@ from hydrohil.reproduction.tally import ENOUGH_PERCENT, Result, Tally, failures
 
 def page(report: Report) -> str:
     """The page's text."""
-    environment = Environment(loader=PackageLoader("reproduction", ""), autoescape=True, trim_blocks=True)
+    loader = ChoiceLoader([PackageLoader("hydrohil.reproduction", ""), PackageLoader("hydrohil.pages", "")])
+    environment = Environment(loader=loader, autoescape=True, trim_blocks=True)
     by_chapter = groupby(report.results, key=lambda made: made.figure.chapter)
     return environment.get_template("page.html").render(
         report=report,

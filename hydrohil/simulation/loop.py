@@ -11,14 +11,14 @@ from hydrohil.services.plant.config import GateLimits
 from hydrohil.services.plant.faults import Held
 from hydrohil.services.plant.faulty_actuators import faulty_codes, faulty_machine
 from hydrohil.services.plant.faulty_sensors import faulty_sense
-from hydrohil.services.plant.gate import CommandSeen, GateInput, GateMemory, PermitSeen, gate_step
-from hydrohil.services.plant.machine import MachineState, advance, truth
+from hydrohil.services.plant.gate import CommandObservation, GateInput, GateMemory, PermitObservation, gate_step
+from hydrohil.services.plant.machine import MachineState, advance, ground_truth
 from hydrohil.services.plant.params import ContactParams, MachineParams
 from hydrohil.services.supervisor.modes import NOTHING, RUNNING
 from hydrohil.services.supervisor.observe import Links, watch_start
 from hydrohil.services.supervisor.step import Asked, SupervisorMemory, SupervisorParams, supervisor_step
 from hydrohil.shared.compiled.kernel import kernel
-from hydrohil.shared.contract.messages import ControllerState, LinkCounts, Permit, Sample, Truth
+from hydrohil.shared.contract.messages import ControllerState, GroundTruth, LinkCounts, Permit, Sample
 from hydrohil.shared.units import SUBSTEP_NS
 
 Reals = npt.NDArray[np.float64]
@@ -83,7 +83,7 @@ class Underway(NamedTuple):
 _LINKS = ("q_rad", "q_set_rad", "qd_rad_per_s", "qd_set_rad_per_s", "x_m", "x_set_m", "x_nominal_m", "current_a")
 _LINKS_TOO = ("dac_counts", "boosted", "pressure_a_pa", "pressure_b_pa", "true_q_rad")
 _WIDTHS = {"encoder_counts": (5,)} | dict.fromkeys((*_LINKS, *_LINKS_TOO), (3,))
-_ARMING = 1  # any number but 0: the local cell arms once
+_ARMING_ID = 1  # any number but 0: the local cell arms once
 _EPOCH = 1
 
 
@@ -128,13 +128,13 @@ def sample_of(
 
 @kernel
 def gate_input(
-    setup: Setup, permit: Permit, arming: int, sample: Sample, codes: tuple[int, int, int], force_n: float
+    setup: Setup, permit: Permit, arming_id: int, sample: Sample, codes: tuple[int, int, int], force_n: float
 ) -> GateInput:
     """What the gate judges at the latch when nothing is late."""
     age_ns = setup.latch_substeps * SUBSTEP_NS
     return GateInput(
-        PermitSeen(True, arming, _EPOCH, permit.mode, age_ns, permit.recover_signs),
-        CommandSeen(True, _ARMING, _EPOCH, age_ns, sample.number, codes),
+        PermitObservation(True, arming_id, _EPOCH, permit.mode, age_ns, permit.recover_signs),
+        CommandObservation(True, _ARMING_ID, _EPOCH, age_ns, sample.number, codes),
         sample.force_counts,
         force_n,
         sample.tick,
@@ -147,7 +147,7 @@ def gate_input(
 
 @kernel
 def write_row(
-    out: Columns, i: int, sample: Sample, codes: tuple[int, int, int], thought: ControllerState, permit: Permit, seen: Truth
+    out: Columns, i: int, sample: Sample, codes: tuple[int, int, int], thought: ControllerState, permit: Permit, seen: GroundTruth
 ) -> None:
     """Row `i`: the state at the sample and the command that answers it."""
     out.tick[i] = sample.tick
@@ -179,7 +179,7 @@ def write_row(
 def begin(setup: Setup, memory: ControlMemory, intervals: Integers) -> Underway:
     """Before the first row: the cell is armed, its gate shut."""
     gate = GateMemory(0, 1, (2048, 2048, 2048), -1, 0, 0, 0, 0, (0,) * 16, (0, 0, 0))
-    watch = SupervisorMemory(RUNNING, _ARMING, 0, 0.0, 0.0, -1, 0, 0, 0, (0, 0, 0), watch_start(), False)
+    watch = SupervisorMemory(RUNNING, _ARMING_ID, 0, 0.0, 0.0, -1, 0, 0, 0, (0, 0, 0), watch_start(), False)
     trial_time_ns = -SUBSTEP_NS * int(sum(intervals[: -setup.first_tick]))
     held = Held(((0, 0, 0, 0, 0), 0), 0)
     return Underway(0, 0, trial_time_ns, setup.start, memory, watch, gate, False, held, gate.codes)
@@ -195,14 +195,14 @@ def play(
         counts = faulty_sense(state, setup.machine, setup.contact, noise_n[i], faults, tick, held)
         held, machine = Held(counts, 1), faulty_machine(faults, tick, setup.machine)
         sample = sample_of(setup, gate, counts, i, time_ns, trial_time_ns)
-        seen = truth(state, setup.machine, setup.contact, i, sample.tick)
+        seen = ground_truth(state, setup.machine, setup.contact, i, sample.tick)
         memory, codes, thought = control_step(memory, setup.control, table, sample)
         watch, permit = supervisor_step(watch, setup.supervise, sample, Asked(NOTHING, 0, True, ready, 0, Links(0, 0, 0, 1)))
         ready = thought.ready == 1
         write_row(out, i, sample, codes, thought, permit, seen)
         state = advance(state, machine, setup.contact, at_valves, setup.latch_substeps)
         force_n = sample.force_counts * setup.control.calibration.force_n_per_count
-        gate = gate_step(gate, setup.limits, gate_input(setup, permit, watch.arming, sample, codes, force_n), True)
+        gate = gate_step(gate, setup.limits, gate_input(setup, permit, watch.arming_id, sample, codes, force_n), True)
         at_valves = faulty_codes(faults, tick, gate.codes, at_valves)
         state = advance(state, machine, setup.contact, at_valves, intervals[i] - setup.latch_substeps)
         time_ns += intervals[i] * SUBSTEP_NS

@@ -9,15 +9,15 @@ from hydrohil.claims.trace import Trace
 from hydrohil.experiment.experiment import Experiment
 from hydrohil.services.controller.config import controller_params, segment_table
 from hydrohil.services.controller.parameter_change import handed_over
-from hydrohil.services.controller.parameter_schedule import Course, at, follow, moves, scheduled
+from hydrohil.services.controller.parameter_schedule import ParameterSchedule, at, follow, moves, scheduled
 from hydrohil.services.controller.step import control_start
-from hydrohil.services.plant.config import GateLimits, PlantConfig, bias_ticks, latch_substeps, trial_ticks
+from hydrohil.services.plant.config import GateLimits, PlantConfig, latch_substeps, tare_ticks, trial_ticks
 from hydrohil.services.plant.faults import COLUMNS, fault_row
 from hydrohil.services.plant.gate import GateMemory
 from hydrohil.services.plant.machine import machine_start
 from hydrohil.services.plant.noise import force_noise_n, sample_intervals
 from hydrohil.services.plant.params import contact_params
-from hydrohil.services.plant.plant_description import about
+from hydrohil.services.plant.plant_description import describe
 from hydrohil.services.supervisor.modes import RUNNING
 from hydrohil.services.supervisor.params import supervisor_params
 from hydrohil.services.supervisor.step import SupervisorMemory
@@ -60,8 +60,8 @@ def fault_table(experiment: Experiment, seed: int) -> Any:
 def setup(experiment: Experiment, limits: GateLimits) -> Setup:
     """Parameters and initial state; raises ValueError if the sections do not fit together."""
     contact = contact_params(experiment.plant.environment)
-    described = about(experiment.plant, limits)
-    first = -bias_ticks(experiment.plant)
+    described = describe(experiment.plant, limits)
+    first = -tare_ticks(experiment.plant)
     return Setup(
         experiment.plant.machine,
         contact,
@@ -93,7 +93,7 @@ def play_local(experiment: Experiment, seed: int, limits: GateLimits | None = No
         return Underway(*_compiled["play"](made, underway, table, broken, noise_n, intervals, out, end))
 
     start = begin(made, control_start(made.control), intervals)
-    end = _play_course(experiment, made, start, count, go_on)
+    end = _play_schedule(experiment, made, start, count, go_on)
     return Outcome(
         _rows(out, slice(end.row)),
         made.first_tick,
@@ -103,20 +103,20 @@ def play_local(experiment: Experiment, seed: int, limits: GateLimits | None = No
     )
 
 
-def _play_course(
+def _play_schedule(
     experiment: Experiment, made: Setup, underway: Underway, count: int, go_on: Callable[[Setup, Underway, int], Underway]
 ) -> Underway:
     """From one change of the parameters to the next; without any, all at once."""
-    described, period_ns = about(experiment.plant, made.limits), experiment.plant.sample_period_substeps * SUBSTEP_NS
-    course = Course(experiment.controller, scheduled(experiment.controller, experiment.changes, period_ns))
+    described, period_ns = describe(experiment.plant, made.limits), experiment.plant.sample_period_substeps * SUBSTEP_NS
+    schedule = ParameterSchedule(experiment.controller, scheduled(experiment.controller, experiment.changes, period_ns))
     while (row := underway.row) < count and underway.watch.mode == RUNNING:
-        course, change = follow(course, row, made.first_tick + row, period_ns)
+        schedule, change = follow(schedule, row, made.first_tick + row, period_ns)
         if change is not None:
             underway = underway._replace(control=handed_over(underway.control, change))
-        if moves(course, row):
-            made = made._replace(control=controller_params(at(course, row), described, made.first_tick))
-        ends = [count, *(tick - made.first_tick for tick, _ in course.waiting)]
-        underway = go_on(made, underway, row + 1 if moves(course, row + 1) else min(ends))
+        if moves(schedule, row):
+            made = made._replace(control=controller_params(at(schedule, row), described, made.first_tick))
+        ends = [count, *(tick - made.first_tick for tick, _ in schedule.waiting)]
+        underway = go_on(made, underway, row + 1 if moves(schedule, row + 1) else min(ends))
     return underway
 
 

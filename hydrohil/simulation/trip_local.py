@@ -4,18 +4,18 @@ from typing import Any
 
 from hydrohil.experiment.experiment import Experiment
 from hydrohil.services.plant.config import GateLimits
-from hydrohil.services.plant.plant_description import about
+from hydrohil.services.plant.plant_description import describe
 from hydrohil.shared.contract.converters import ZERO_CODE
 from hydrohil.shared.contract.messages import Mode
 from hydrohil.shared.trips.report import Document, Origin, trip_report
 from hydrohil.shared.trips.ring import KEPT_NS
-from hydrohil.shared.trips.tables import COMMAND, PERMIT, SAMPLE, STATE, TRUTH, Table
+from hydrohil.shared.trips.tables import COMMAND, GROUND_TRUTH, PERMIT, SAMPLE, STATE, Table
 from hydrohil.shared.trips.watcher import utc_now
 from hydrohil.simulation.rollout import Outcome
 
 _OF_STATE = ("q_rad", "q_set_rad", "qd_rad_per_s", "qd_set_rad_per_s", "x_m", "x_set_m", "x_nominal_m", "force_n", "force_set_n")
 _OF_STATE_TOO = ("current_a", "clamped", "boosted")
-_OF_TRUTH = ("pressure_a_pa", "pressure_b_pa", "contact_force_n")
+_OF_GROUND_TRUTH = ("pressure_a_pa", "pressure_b_pa", "contact_force_n")
 
 
 def local_report(experiment: Experiment, outcome: Outcome) -> Document | None:
@@ -37,10 +37,10 @@ def local_report(experiment: Experiment, outcome: Outcome) -> Document | None:
         SAMPLE: _ended(sample, outcome),
         COMMAND: {"echo_number": numbers} | commanded,
         STATE: stamps | _columns(rows, (*_OF_STATE, *_OF_STATE_TOO), first),
-        TRUTH: stamps | _columns(rows, _OF_TRUTH, first) | _columns(rows, ("true_q_rad",), first),
+        GROUND_TRUTH: stamps | _columns(rows, _OF_GROUND_TRUTH, first) | _columns(rows, ("true_q_rad",), first),
         PERMIT: _permits(outcome, numbers, _column(rows.mode, first)),
     }
-    described = about(experiment.plant, GateLimits())
+    described = describe(experiment.plant, GateLimits())
     return trip_report(signals, Origin(utc_now(), "local", "no", 0, experiment.name), described, {})
 
 

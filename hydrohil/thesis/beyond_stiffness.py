@@ -81,12 +81,14 @@ def push(name: str, alias: str, words: str, impedance: ImpedanceConfig, claims: 
 
 _SOFT = ImpedanceConfig(MASS_KG, SOFT_TARGET_N_PER_M, NET_DAMPING, "net", SOFT_ESTIMATE_N_PER_M)
 _STIFF = _SOFT._replace(stiffness_n_per_m=STIFF_TARGET_N_PER_M)
-_APPARENT = _STIFF._replace(apparent_stiffness_n_per_m=SOFT_TARGET_N_PER_M, contact_n=CONTACT_N)
-_GUESSED = _APPARENT._replace(environment_n_per_m=STIFF_ESTIMATE_N_PER_M)
+_SETPOINT_SCALING = _STIFF._replace(apparent_stiffness_n_per_m=SOFT_TARGET_N_PER_M, contact_n=CONTACT_N)
+_GUESSED = _SETPOINT_SCALING._replace(environment_n_per_m=STIFF_ESTIMATE_N_PER_M)
 
 EXPERIMENTS = (
     push("push-soft", "soft-target", "soft target", _SOFT, (_CYCLES, _APPEARS)),
-    push("push-apparent", "stiff-target-soft-appearance", "stiff target that appears soft", _APPARENT, (_RESTS, _APPEARS)),
+    push(
+        "push-apparent", "stiff-target-soft-appearance", "stiff target that appears soft", _SETPOINT_SCALING, (_RESTS, _APPEARS)
+    ),
     push("push-stiff", "stiff-target", "stiff target", _STIFF, (_RESTS,)),
     push("push-apparent-rough", "stiff-target-rough-estimate", "the same by the stiff plate's k_eff", _GUESSED, (_RESTS,)),
 )

@@ -31,17 +31,17 @@ def force_excess(adaptation: AdaptationParams, force_n: float) -> float:
 
 
 @kernel
-def relief_step(relief: float, adaptation: AdaptationParams, excess: float, dt_s: float) -> float:
+def stiffness_loss_step(stiffness_loss: float, adaptation: AdaptationParams, excess: float, dt_s: float) -> float:
     """What the target has given way after `dt_s` of `excess`: the share of its stiffness that melted, or its offset in m.
 
     Exact for an excess held over the interval.
     """
     if excess == 0.0:
-        return relief * math.exp(-dt_s / adaptation.release_s) if dt_s >= 0.0 else math.nan
+        return stiffness_loss * math.exp(-dt_s / adaptation.release_s) if dt_s >= 0.0 else math.nan
     if adaptation.kind == ADAPT_OFFSET:
-        return relief + adaptation.retreat_m_per_s * excess * dt_s
+        return stiffness_loss + adaptation.retreat_m_per_s * excess * dt_s
     melting = adaptation.melting_per_s * excess * dt_s
-    share = (1.0 - relief) * math.exp(-melting) if melting >= 0.0 else math.nan
+    share = (1.0 - stiffness_loss) * math.exp(-melting) if melting >= 0.0 else math.nan
     return 1.0 - share if not share < LEAST_SHARE else 1.0 - LEAST_SHARE
 
 
@@ -61,9 +61,9 @@ def retuned(params: ImpedanceParams, stiffness_n_per_m: float, wn_rad_per_s: flo
 
 
 @kernel
-def melted(params: ImpedanceParams, relief: float) -> ImpedanceParams:
+def softened(params: ImpedanceParams, stiffness_loss: float) -> ImpedanceParams:
     """The target with the share `relief` of its stiffness gone; m and xi are kept."""
-    share = 1.0 - relief
+    share = 1.0 - stiffness_loss
     root = math.sqrt(share) if share > 0.0 else math.nan
     wn = params.natural_frequency_rad_per_s * root
     return retuned(params, params.stiffness_n_per_m * share, wn, params.damping_ratio)
@@ -87,7 +87,7 @@ def spliced(across: Triple, along: Triple, axis: int) -> Triple:
 
 
 @kernel
-def with_relief(state: ImpedanceState, relief: float) -> ImpedanceState:
+def with_stiffness_loss(state: ImpedanceState, stiffness_loss: float) -> ImpedanceState:
     """`state` with another relief."""
     return ImpedanceState(
         state.position_m,
@@ -95,7 +95,7 @@ def with_relief(state: ImpedanceState, relief: float) -> ImpedanceState:
         state.nominal_m,
         state.force_offset_m,
         state.force_velocity_m_per_s,
-        relief,
+        stiffness_loss,
     )
 
 
@@ -118,7 +118,7 @@ def split_step(
     position_m = spliced(across.position_m, along.position_m, axis)
     velocity_m_per_s = spliced(across.velocity_m_per_s, along.velocity_m_per_s, axis)
     new = ImpedanceState(
-        position_m, velocity_m_per_s, nominal_m, along.force_offset_m, along.force_velocity_m_per_s, state.relief
+        position_m, velocity_m_per_s, nominal_m, along.force_offset_m, along.force_velocity_m_per_s, state.stiffness_loss
     )
     return new, spliced(x_across, x_along, axis)
 
@@ -145,7 +145,7 @@ def stopped_step(
         state.nominal_m,
         state.force_offset_m,
         state.force_velocity_m_per_s,
-        state.relief,
+        state.stiffness_loss,
     )
     return split_step(standing, params, braked(params, d), nominal_m, force_error_n + adaptation.stop_n * excess, dt_s)
 
@@ -168,8 +168,8 @@ def adapted_step(
         if excess == 0.0:
             return impedance_step(state, params, nominal_m, force_error_n, dt_s)
         return stopped_step(state, params, adaptation, excess, nominal_m, force_error_n, dt_s)
-    relieved = with_relief(state, relief_step(state.relief, adaptation, excess, dt_s))
+    relieved = with_stiffness_loss(state, stiffness_loss_step(state.stiffness_loss, adaptation, excess, dt_s))
     if adaptation.kind == ADAPT_OFFSET:
-        away_m = along_axis(nominal_m, params.force_axis, params.force_sign * relieved.relief)
+        away_m = along_axis(nominal_m, params.force_axis, params.force_sign * relieved.stiffness_loss)
         return impedance_step(relieved, params, away_m, force_error_n, dt_s)
-    return split_step(relieved, params, melted(params, relieved.relief), nominal_m, force_error_n, dt_s)
+    return split_step(relieved, params, softened(params, relieved.stiffness_loss), nominal_m, force_error_n, dt_s)

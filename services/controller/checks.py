@@ -15,7 +15,7 @@ from hydrohil.services.controller.config import (
     impedance_params,
     segment_table,
 )
-from hydrohil.services.controller.contact_environment import Surroundings, resting_m
+from hydrohil.services.controller.contact_environment import ContactEnvironment, resting_m
 from hydrohil.services.controller.kinematics import clamp_joints, inverse
 from hydrohil.services.controller.reference import CHANNELS, reference_deltas
 from hydrohil.shared.contract.pose import UNIMATE_GEOMETRY, Triple, forward
@@ -33,7 +33,7 @@ LINKS = ("rotate", "down/up", "out/in")
 
 
 def check(
-    config: ControllerConfig, reference: Reference, q0_rad: Triple, pitch_rad: float = 0.0, met: Surroundings | None = None
+    config: ControllerConfig, reference: Reference, q0_rad: Triple, pitch_rad: float = 0.0, met: ContactEnvironment | None = None
 ) -> None:
     """Raise ValueError, one line, for a configuration whose fields are each valid but do not fit together.
 
@@ -44,7 +44,7 @@ def check(
 
 
 def examine(
-    config: ControllerConfig, reference: Reference, q0_rad: Triple, pitch_rad: float = 0.0, met: Surroundings | None = None
+    config: ControllerConfig, reference: Reference, q0_rad: Triple, pitch_rad: float = 0.0, met: ContactEnvironment | None = None
 ) -> Iterator[None]:
     """`check` in steps, each short enough to be taken between two samples; raises as `check` does."""
     impedance = config.impedance
@@ -61,7 +61,7 @@ def examine(
     if not any(config.acting):
         raise ValueError("controller.acting: no link acts; let at least one be true")
     check_adaptation(config)
-    check_apparent(config)
+    check_setpoint_scaling(config)
     if not config.tight_slew_codes <= config.slew_codes:
         raise ValueError(f"controller: tight_slew_codes {config.tight_slew_codes} exceeds slew_codes {config.slew_codes}")
     for index, segment in enumerate(reference):
@@ -99,7 +99,7 @@ def check_adaptation(config: ControllerConfig) -> None:
         raise ValueError(f"controller.adaptation: {wanted}")
 
 
-def check_apparent(config: ControllerConfig) -> None:
+def check_setpoint_scaling(config: ControllerConfig) -> None:
     """Raise ValueError for an apparent stiffness that nothing can show."""
     impedance = config.impedance
     soft, stiff = impedance.apparent_stiffness_n_per_m, impedance.stiffness_n_per_m
@@ -147,7 +147,7 @@ def check_travel(target: str, reference: Reference, q0_rad: Triple, pitch_rad: f
 
 
 def check_push(
-    impedance: ImpedanceConfig, reference: Reference, q0_rad: Triple, pitch_rad: float, met: Surroundings
+    impedance: ImpedanceConfig, reference: Reference, q0_rad: Triple, pitch_rad: float, met: ContactEnvironment
 ) -> Iterator[None]:
     """Raise ValueError where the force set-point, held, would take the tool out of the travel of a link; in steps."""
     table, k = segment_table(reference), impedance.stiffness_n_per_m

@@ -32,14 +32,14 @@ from hydrohil.services.controller.params import (
     TIGHT_SLEW_CODES,
     UNIMATE_GAINS,
     AdaptationParams,
-    ApparentParams,
     ControllerParams,
     ImpedanceParams,
     LinkGains,
+    SetpointScalingParams,
 )
 from hydrohil.services.controller.reference import CHANNELS, KINDS, Row
 from hydrohil.shared.contract.converters import calibration
-from hydrohil.shared.contract.messages import About
+from hydrohil.shared.contract.messages import PlantDescription
 from hydrohil.shared.contract.pose import UNIMATE_GEOMETRY
 from hydrohil.shared.units import A_PER_MA
 
@@ -181,14 +181,14 @@ def adaptation_params(config: AdaptationConfig) -> AdaptationParams:
     return AdaptationParams(ADAPTATIONS[kind], *(float(number) for number in numbers))
 
 
-def apparent_params(config: ImpedanceConfig) -> ApparentParams:
+def setpoint_scaling_params(config: ImpedanceConfig) -> SetpointScalingParams:
     """k_- (k_+ + k_eff) / (k_+ (k_- + k_eff)), the share of each step of the nominal position in contact (thesis 9.3.2)."""
     stiff, soft, k_eff = config.stiffness_n_per_m, config.apparent_stiffness_n_per_m, config.environment_n_per_m
     share = 1.0 if soft is None else soft * (stiff + k_eff) / (stiff * (soft + k_eff))
-    return ApparentParams(float(share), float(config.contact_n))
+    return SetpointScalingParams(float(share), float(config.contact_n))
 
 
-def controller_params(config: ControllerConfig, about: About, first_tick: int) -> ControllerParams:
+def controller_params(config: ControllerConfig, description: PlantDescription, first_tick: int) -> ControllerParams:
     """Kernel parameters for the machine that `about` describes; the trial begins at the negative `first_tick` (0: none)."""
     recover, acting, gains, target = config.recover_current_a, config.acting, config.gains, config.target
     return ControllerParams(
@@ -196,14 +196,14 @@ def controller_params(config: ControllerConfig, about: About, first_tick: int) -
         target=TARGETS[target],
         acting=(int(acting[0]), int(acting[1]), int(acting[2])),
         gains=(kernel_gains(gains[0], target), kernel_gains(gains[1], target), kernel_gains(gains[2], target)),
-        impedance=impedance_params(config.impedance, about.force_axis, about.force_sign),
+        impedance=impedance_params(config.impedance, description.force_axis, description.force_sign),
         force_cutoff_rad_per_s=force_cutoff_rad_per_s(config.impedance),
         force_noise_n=float(config.impedance.force_noise_n) if config.impedance.force_filter == "bounded" else math.inf,
         adaptation=adaptation_params(config.adaptation),
-        apparent=apparent_params(config.impedance),
+        apparent=setpoint_scaling_params(config.impedance),
         geometry=UNIMATE_GEOMETRY,
-        calibration=calibration(about.encoders, about.force),
-        sample_period_ns=about.sample_period_ns,
+        calibration=calibration(description.encoders, description.force),
+        sample_period_ns=description.sample_period_ns,
         first_tick=first_tick,
         slew_codes=config.slew_codes,
         tight_slew_codes=config.tight_slew_codes,

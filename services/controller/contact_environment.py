@@ -6,7 +6,7 @@ from typing import Any, Literal, NamedTuple
 AXIS_X, AXIS_Z = 0, 2
 
 
-class Surroundings(NamedTuple):
+class ContactEnvironment(NamedTuple):
     """The environment along the gauge's axis."""
 
     kind: Literal["free", "plate", "crate"]
@@ -16,19 +16,19 @@ class Surroundings(NamedTuple):
     surface_m: float  # on that axis
 
 
-def surroundings(plant: Mapping[str, Any]) -> Surroundings:
+def contact_environment(plant: Mapping[str, Any]) -> ContactEnvironment:
     """What the experiment's section [plant] says; raises KeyError or TypeError where it does not say it."""
     environment = plant["environment"]
     kind, gauge = environment["kind"], plant["machine"]["sensor_stiffness_n_per_m"]
     if kind == "crate":
-        return Surroundings(kind, gauge, AXIS_X, -1.0, environment["surface_m"])
+        return ContactEnvironment(kind, gauge, AXIS_X, -1.0, environment["surface_m"])
     if kind == "plate":
         stiffness = environment["stiffness_n_per_m"]
-        return Surroundings(kind, stiffness * gauge / (stiffness + gauge), AXIS_Z, 1.0, environment["surface_m"])
-    return Surroundings("free", 0.0, AXIS_Z, 1.0, environment["surface_m"])
+        return ContactEnvironment(kind, stiffness * gauge / (stiffness + gauge), AXIS_Z, 1.0, environment["surface_m"])
+    return ContactEnvironment("free", 0.0, AXIS_Z, 1.0, environment["surface_m"])
 
 
-def resting_m(met: Surroundings, start_m: float, nominal_m: float, push_n: float, stiffness_n_per_m: float) -> float:
+def resting_m(met: ContactEnvironment, start_m: float, nominal_m: float, push_n: float, stiffness_n_per_m: float) -> float:
     """Where a target of k comes to rest on the gauge's axis, pressed by `push_n`; the force at the start was taken for zero.
 
     k (x - x_d) = sign (f - push) , f = k_eff times the depth; a crate is taken to slide: it holds nothing.

@@ -31,7 +31,7 @@ class ImpedanceState(NamedTuple):
     nominal_m: Triple  # x_d of the last sample
     force_offset_m: float
     force_velocity_m_per_s: float
-    relief: float  # what an adaptation has given way: share of the stiffness, or m
+    stiffness_loss: float  # what an adaptation has given way: share of the stiffness, or m
 
 
 @kernel
@@ -95,7 +95,7 @@ def impedance_step(
     x3, v3 = respond(free, position[2], velocity[2] + kick * (nominal_m[2] - last[2]), nominal_m[2])
     force_end_m = params.force_sign * force_error_n / params.stiffness_n_per_m
     offset, offset_rate = respond(free, state.force_offset_m, state.force_velocity_m_per_s, force_end_m)
-    state = ImpedanceState((x1, x2, x3), (v1, v2, v3), nominal_m, offset, offset_rate, state.relief)
+    state = ImpedanceState((x1, x2, x3), (v1, v2, v3), nominal_m, offset, offset_rate, state.stiffness_loss)
     x_set = (
         x1 + offset if params.force_axis == 0 else x1,
         x2 + offset if params.force_axis == 1 else x2,

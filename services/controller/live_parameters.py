@@ -6,9 +6,9 @@ from typing import NamedTuple
 
 from hydrohil.services.controller.checks import examine
 from hydrohil.services.controller.config import ControllerConfig, Reference
-from hydrohil.services.controller.contact_environment import Surroundings
+from hydrohil.services.controller.contact_environment import ContactEnvironment
 from hydrohil.services.controller.parameter_change import Change, assigned, differences
-from hydrohil.services.controller.parameter_schedule import Course, at, follow, moves
+from hydrohil.services.controller.parameter_schedule import ParameterSchedule, at, follow, moves
 from hydrohil.services.controller.preflight import preflight
 from hydrohil.shared.contract.assignments import text_of
 from hydrohil.shared.contract.messages import NO_TRIAL, ParameterEvent
@@ -21,11 +21,11 @@ _REMEMBERED = 256
 class Loaded(NamedTuple):
     """What a change must agree with: the rest of the experiment."""
 
-    course: Course
+    schedule: ParameterSchedule
     reference: Reference
     q0_rad: Triple
     pitch_rad: float
-    met: Surroundings
+    met: ContactEnvironment
     lockstep: bool
 
 
@@ -43,7 +43,7 @@ class Parameters:
     def __init__(self) -> None:
         """No experiment is loaded."""
         self.loaded: Loaded | None = None
-        self.course = Course(ControllerConfig())
+        self.schedule = ParameterSchedule(ControllerConfig())
         self.busy = False  # the course has moved in this trial, or will: it is to be followed
         self.by_hand: deque[ParameterEvent] = deque(maxlen=_REMEMBERED)  # since the load
         self._wanted: Wanted | None = None  # under examination
@@ -64,11 +64,11 @@ class Parameters:
             return request.refuse("no experiment is loaded (`hydrohil run NAME` loads one)")
         try:
             self._refuse_now(self.loaded, tick)
-            after = assigned(self.course.target, assignments)
+            after = assigned(self.schedule.target, assignments)
         except ValueError as error:
             return request.refuse(str(error))
         _, reference, q0_rad, pitch_rad, met, _ = self.loaded
-        pushed = met if after.impedance != self.course.target.impedance else None  # else the load has found its push right
+        pushed = met if after.impedance != self.schedule.target.impedance else None  # else the load has found its push right
         self._wanted = Wanted(request, after, examine(after, reference, q0_rad, pitch_rad, pushed))
         self.busy = True
         return None
@@ -78,7 +78,7 @@ class Parameters:
             raise ValueError("no trial runs: give the value with the load (`hydrohil run NAME --set PATH=VALUE`)")
         if loaded.lockstep:
             raise ValueError("a lockstep trial runs, which must repeat itself: schedule the change in its section [[changes]]")
-        if loaded.course.waiting:
+        if loaded.schedule.waiting:
             raise ValueError("the section [[changes]] of this trial decides what changes: schedule it there")
         if self._wanted is not None or self._found_right is not None:
             raise ValueError("another change does not act yet: ask again")
@@ -97,7 +97,7 @@ class Parameters:
             next(examination)
         except StopIteration:
             self._wanted, self._found_right = None, request
-            self.course = self.course._replace(waiting=((NO_TRIAL, after),))
+            self.schedule = self.schedule._replace(waiting=((NO_TRIAL, after),))
         except (ValueError, ArithmeticError) as error:
             self._wanted = None
             request.refuse(str(error))
@@ -105,11 +105,11 @@ class Parameters:
     def follow(self, number: int, tick: int, period_ns: int) -> tuple[Change | None, ControllerConfig | None]:
         """The change that begins at this sample; and what acts, if it is not what acted at the one before."""
         if tick == NO_TRIAL:
-            moved = self.course.change is not None
+            moved = self.schedule.change is not None
             self._begin_anew()
-            return None, self.course.loaded if moved else None
-        self.course, change = follow(self.course, number, tick, period_ns)
-        return change, at(self.course, number) if moves(self.course, number) else None
+            return None, self.schedule.loaded if moved else None
+        self.schedule, change = follow(self.schedule, number, tick, period_ns)
+        return change, at(self.schedule, number) if moves(self.schedule, number) else None
 
     def tell(self, change: Change, tick: int) -> tuple[ParameterEvent, ...]:
         """The change as messages, a value each; whoever asked for it is answered with the same."""
@@ -128,7 +128,7 @@ class Parameters:
 
     def changed(self) -> list[str]:
         """For a status: what is not as it was loaded."""
-        found = differences(self.course.loaded, self.course.target)
+        found = differences(self.schedule.loaded, self.schedule.target)
         return [f"{path} {text_of(old)} -> {text_of(new)}" for path, old, new in found]
 
     def _begin_anew(self) -> None:
@@ -138,5 +138,5 @@ class Parameters:
                 request.refuse("the trial has ended before the change could act")
         self._wanted = self._found_right = None
         if self.loaded is not None:
-            self.course = self.loaded.course
-        self.busy = bool(self.course.waiting)
+            self.schedule = self.loaded.schedule
+        self.busy = bool(self.schedule.waiting)

@@ -8,7 +8,7 @@ from hydrohil.services.controller.parameter_change import Change, acting, assign
 from hydrohil.shared.units import NS_PER_S
 
 
-class Course(NamedTuple):
+class ParameterSchedule(NamedTuple):
     """What acts, and what is to act."""
 
     loaded: ControllerConfig
@@ -35,21 +35,21 @@ def scheduled(
     return tuple(waiting.items())
 
 
-def follow(course: Course, number: int, tick: int, period_ns: int) -> tuple[Course, Change | None]:
+def follow(schedule: ParameterSchedule, number: int, tick: int, period_ns: int) -> tuple[ParameterSchedule, Change | None]:
     """The course at this sample, and the change that begins with it."""
-    due = [config for first, config in course.waiting if first <= tick]
+    due = [config for first, config in schedule.waiting if first <= tick]
     if not due:
-        return course, None
-    before = course.loaded if course.change is None else acting(course.change, number - 1)
+        return schedule, None
+    before = schedule.loaded if schedule.change is None else acting(schedule.change, number - 1)
     change = begun(number, before, due[-1], period_ns)
-    return course._replace(waiting=course.waiting[len(due) :], change=change), change
+    return schedule._replace(waiting=schedule.waiting[len(due) :], change=change), change
 
 
-def at(course: Course, number: int) -> ControllerConfig:
+def at(schedule: ParameterSchedule, number: int) -> ControllerConfig:
     """What acts at this sample."""
-    return course.loaded if course.change is None else acting(course.change, number)
+    return schedule.loaded if schedule.change is None else acting(schedule.change, number)
 
 
-def moves(course: Course, number: int) -> bool:
+def moves(schedule: ParameterSchedule, number: int) -> bool:
     """Whether other parameters act at this sample than at the one before."""
-    return course.change is not None and course.change.first <= number <= course.change.last
+    return schedule.change is not None and schedule.change.first <= number <= schedule.change.last

@@ -102,7 +102,7 @@ class ImpedanceParams(NamedTuple):
     formulation: int = FORMULATION_SETPOINT
 
 
-class ApparentParams(NamedTuple):
+class SetpointScalingParams(NamedTuple):
     """Set-point compensation for position: what a stiff target's nominal position does of each step while in contact."""
 
     share: float = 1.0  # 1 = all of it, no compensation
@@ -133,7 +133,7 @@ class ControllerParams(NamedTuple):
     force_cutoff_rad_per_s: float  # of the low-pass on the gauge; 0 = mean of three samples
     force_noise_n: float  # how far the low-pass may be off the reading
     adaptation: AdaptationParams
-    apparent: ApparentParams
+    apparent: SetpointScalingParams
     geometry: Geometry
     calibration: Calibration
     sample_period_ns: int  # nominal; only fills the regression before the first samples

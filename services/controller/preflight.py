@@ -1,11 +1,11 @@
 """What an operator should know of an experiment that may run."""
 
 from hydrohil.services.controller.config import ControllerConfig
-from hydrohil.services.controller.contact_environment import Surroundings
+from hydrohil.services.controller.contact_environment import ContactEnvironment
 from hydrohil.services.controller.limit_cycle import PROSPECTS, least_stable_n_per_m, prospect
 
 
-def preflight(config: ControllerConfig, met: Surroundings) -> tuple[str, ...]:
+def preflight(config: ControllerConfig, met: ContactEnvironment) -> tuple[str, ...]:
     """One line a warning."""
     if config.target != "impedance" or met.kind == "free":
         return ()

@@ -8,23 +8,23 @@ from typing import Any
 
 from hydrohil.services.controller.checks import check
 from hydrohil.services.controller.config import Changes, ControllerConfig, Reference, controller_params, segment_table
-from hydrohil.services.controller.contact_environment import surroundings
+from hydrohil.services.controller.contact_environment import contact_environment
 from hydrohil.services.controller.live_parameters import Loaded, Parameters
 from hydrohil.services.controller.parameter_change import Change, handed_over
-from hydrohil.services.controller.parameter_schedule import Course, scheduled
+from hydrohil.services.controller.parameter_schedule import ParameterSchedule, scheduled
 from hydrohil.services.controller.preflight import preflight
 from hydrohil.services.controller.step import control_start, control_step
 from hydrohil.shared.contract.codec import Received, encode
 from hydrohil.shared.contract.envelope import Envelope, checked, section, unseal
-from hydrohil.shared.contract.messages import NO_TRIAL, About, Command, GateState, Passed, Sample
+from hydrohil.shared.contract.messages import NO_TRIAL, Command, GateState, PlantDescription, Sample, SampleDropped
 from hydrohil.shared.host.process import options_of, parser, serve
-from hydrohil.shared.host.realtime import follow, unhurried
+from hydrohil.shared.host.realtime import set_scheduling, without_realtime
 from hydrohil.shared.transport.bus import Bus, Run
 from hydrohil.shared.transport.impairment_queue import Passage
-from hydrohil.shared.transport.link_stats import due, reception, told
+from hydrohil.shared.transport.link_stats import due, link_stats, told
 from hydrohil.shared.transport.live_faults import LiveFaults
 from hydrohil.shared.transport.requests import Request
-from hydrohil.shared.transport.step_lock import Turns
+from hydrohil.shared.transport.step_lock import StepLock
 from hydrohil.shared.units import SUBSTEP_NS
 
 IDLE = ControllerConfig(target="joint")
@@ -38,20 +38,20 @@ class Controller:
     def __init__(self, bus: Bus) -> None:
         """Nothing loaded: track."""
         self.bus, self.faults = bus, LiveFaults(bus)
-        self.samples, self.abouts = bus.subscribe("plant/sample"), bus.subscribe("plant/about")
-        self.heralds, self.rehearsed = bus.subscribe("plant/herald"), 0
-        self._inboxes = (self.samples, self.heralds, self.abouts)
-        self.about: About | None = None
+        self.samples, self.descriptions = bus.subscribe("plant/sample"), bus.subscribe("plant/description")
+        self.warmups, self.warmed_up = bus.subscribe("plant/warmup"), 0
+        self._inboxes = (self.samples, self.warmups, self.descriptions)
+        self.description: PlantDescription | None = None
         self.config, self.first_tick = IDLE, _NO_FIRST_TICK
         self.reference: Reference = ()
         self.parameters = Parameters()
         self.pending: tuple[Envelope, ControllerConfig, Loaded] | None = None
         self.answered, self.tick = 0, NO_TRIAL
-        self.burned = False  # the gate, at the last sample
+        self.revoked = False  # the gate, at the last sample
 
     def run(self, stopped: Callable[[], bool]) -> None:
         """Until told to stop: samples are answered where they arrive, the rest is done here."""
-        turns = Turns(self.step)
+        turns = StepLock(self.step)
         self.bus.attend(turns)
         while not stopped():
             self.bus.wait(_EXAMINING_S if self.parameters.examines else _WAKE_S)
@@ -60,14 +60,14 @@ class Controller:
 
     def step(self) -> None:
         """Answer every sample that has come."""
-        for message in self.abouts.take():
+        for message in self.descriptions.take():
             self._learn(message.body)
         for message in self.samples.take():
             self._answer(message)
         for passage in self.samples.passages():
             self._tell(passage)
-        for message in self.heralds.take():
-            self._rehearse(message)
+        for message in self.warmups.take():
+            self._warm_up(message)
 
     def serve(self) -> None:
         """Answer what was asked, and look at the parameters that were asked for."""
@@ -75,29 +75,29 @@ class Controller:
             self._serve(request)
         self.parameters.examine()
 
-    def _learn(self, about: About) -> None:
-        if about != self.about:
-            self.about = about
+    def _learn(self, description: PlantDescription) -> None:
+        if description != self.description:
+            self.description = description
             self._prepare()
 
     def _prepare(self) -> None:
-        if self.about is None:
+        if self.description is None:
             return
-        self.params = controller_params(self.config, self.about, self.first_tick)
+        self.params = controller_params(self.config, self.description, self.first_tick)
         self.table = segment_table(self.reference)
         self.memory = control_start(self.params)
 
     def _answer(self, message: Received) -> None:
         """One sample in, one command and one state out."""
-        if self.about is None:
+        if self.description is None:
             return
         self.faults.spend()
         began_ns = time.perf_counter_ns()
         sample, header = message.body, message.header
-        change = self._follow(sample, self.about) if self.parameters.busy else None
+        change = self._follow(sample, self.description) if self.parameters.busy else None
         self.memory, codes, thought = control_step(self.memory, self.params, self.table, sample)
         echo = (sample.number, sample.time_ns)
-        self.bus.run = self.bus.run._replace(arming=header.arming)
+        self.bus.run = self.bus.run._replace(arming_id=header.arming_id)
         self.bus.publish("controller/command", Command(codes), echo)
         os.sched_yield()  # to the transport's thread, which sends it
         thought = thought._replace(compute_ns=time.perf_counter_ns() - began_ns)
@@ -106,34 +106,34 @@ class Controller:
         self.tick = sample.tick
         if change is not None:
             for event in self.parameters.tell(change, sample.tick):
-                self.bus.publish("controller/changed", event, echo)
-        burned = sample.gate == GateState.BURNED
-        if due(sample.number, self.about.sample_period_ns) or (burned and not self.burned):
-            self.bus.publish("controller/reception", reception(sample.number, self._inboxes), echo)
-        self.burned = burned
+                self.bus.publish("controller/parameter_change", event, echo)
+        revoked = sample.gate == GateState.REVOKED
+        if due(sample.number, self.description.sample_period_ns) or (revoked and not self.revoked):
+            self.bus.publish("controller/link_stats", link_stats(sample.number, self._inboxes), echo)
+        self.revoked = revoked
 
-    def _rehearse(self, herald: Received) -> None:
+    def _warm_up(self, warmup: Received) -> None:
         """Answer the last sample once more and send nothing: what the next one needs is in the processor's cache then."""
-        if self.about is None or herald.body.number != self.samples.number:
+        if self.description is None or warmup.body.number != self.samples.number:
             return
-        _, codes, thought = control_step(self.memory, self.params, self.table, herald.body)
+        _, codes, thought = control_step(self.memory, self.params, self.table, warmup.body)
         for topic, body in (("controller/command", Command(codes)), ("controller/state", thought)):
-            encode(topic, herald.header, body)
-        self.rehearsed += 1
+            encode(topic, warmup.header, body)
+        self.warmed_up += 1
 
-    def _follow(self, sample: Sample, about: About) -> Change | None:
+    def _follow(self, sample: Sample, description: PlantDescription) -> Change | None:
         """Let parameters act that change at this sample."""
-        change, config = self.parameters.follow(sample.number, sample.tick, about.sample_period_ns)
+        change, config = self.parameters.follow(sample.number, sample.tick, description.sample_period_ns)
         if change is not None:
             self.memory = handed_over(self.memory, change)
         if config is not None:
-            self.params = controller_params(config, about, self.first_tick)
+            self.params = controller_params(config, description, self.first_tick)
         return change
 
     def _tell(self, passage: Passage) -> None:
         """Lockstep: the plant need not wait for the answer to a sample that a fault took."""
         if not passage.taken:
-            self.bus.publish("controller/passed", Passed(passage.number), (passage.number, passage.time_ns))
+            self.bus.publish("controller/sample_dropped", SampleDropped(passage.number), (passage.number, passage.time_ns))
 
     def _serve(self, request: Request) -> None:
         if request.verb == "load":
@@ -149,16 +149,16 @@ class Controller:
         else:
             request.refuse(f"the controller knows no request {request.verb!r}")
 
-    @unhurried()
+    @without_realtime()
     def _load(self, request: Request) -> None:
-        if self.about is None:
+        if self.description is None:
             return request.refuse("the plant has not described itself yet: start it, or wait a second")
         try:
             envelope = unseal(str(request.arguments.get("envelope")))
             config = section(envelope, "controller", ControllerConfig)
             reference = section(envelope, "reference", Reference)
             plant = envelope.experiment["plant"]
-            met, q0_rad, pitch_rad = surroundings(plant), tuple(plant["initial_q_rad"]), plant["machine"]["q4_rad"]
+            met, q0_rad, pitch_rad = contact_environment(plant), tuple(plant["initial_q_rad"]), plant["machine"]["q4_rad"]
             changes = checked(envelope.experiment.get("changes", []), "changes", Changes)
             waiting = scheduled(config, changes, plant["sample_period_substeps"] * SUBSTEP_NS) if changes else ()
             acting = (config, *(after for _, after in waiting))
@@ -167,7 +167,7 @@ class Controller:
             self.faults.loaded(envelope)
         except (ValueError, LookupError, TypeError, ArithmeticError) as error:  # [plant] is read as it came
             return request.refuse(str(error))
-        loaded = Loaded(Course(config, waiting), reference, q0_rad, pitch_rad, met, envelope.clock == "lockstep")
+        loaded = Loaded(ParameterSchedule(config, waiting), reference, q0_rad, pitch_rad, met, envelope.clock == "lockstep")
         self.pending = (envelope, config, loaded)
         return request.reply(
             {
@@ -186,12 +186,12 @@ class Controller:
             return request.refuse(str(error))
         self.config, self.reference = config, loaded.reference
         self.parameters.load(loaded)
-        self.first_tick = -envelope.bias_ticks
+        self.first_tick = -envelope.tare_ticks
         self._prepare()
         self.bus.run = Run(envelope.run, envelope.digest, 0)
         self.bus.impair(conditions)
         self.bus.waits_for_room = envelope.clock == "lockstep"
-        follow(envelope.clock)
+        set_scheduling(envelope.clock)
         gc.collect()
         return request.reply({"digest": envelope.digest.hex()})
 
@@ -200,16 +200,16 @@ class Controller:
         return {
             "pid": os.getpid(),
             "injected": self.faults.acting(),
-            "ready": self.about is not None and self.answered > 0,
-            "law": self.parameters.course.target.law,
+            "ready": self.description is not None and self.answered > 0,
+            "law": self.parameters.schedule.target.law,
             "target": self.config.target,
             "changed": self.parameters.changed(),
             "by_hand": [event._asdict() for event in self.parameters.by_hand],
             "answered": self.answered,
-            "rehearsed": self.rehearsed,
+            "warmed_up": self.warmed_up,
             "experiment": self.bus.run.experiment.hex(),
             "run": self.bus.run.run,
-            "reception": told(self._inboxes),
+            "link_stats": told(self._inboxes),
         }
 
 

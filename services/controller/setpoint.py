@@ -16,7 +16,7 @@ from hydrohil.services.controller.params import (
 )
 from hydrohil.services.controller.reference import Deltas, Table, reference_deltas
 from hydrohil.services.controller.regression import POINTS
-from hydrohil.services.controller.setpoint_scaling import Withheld, withhold
+from hydrohil.services.controller.setpoint_scaling import Offset, withhold
 from hydrohil.services.controller.trial import Trial
 from hydrohil.shared.compiled.kernel import kernel
 from hydrohil.shared.contract.messages import NO_TRIAL
@@ -35,7 +35,7 @@ class Seen(NamedTuple):
     force_set_n: float  # mean of three, with its compensation
 
 
-class Demand(NamedTuple):
+class Setpoints(NamedTuple):
     """Set-points of one sample."""
 
     q_rad: Triple
@@ -43,7 +43,7 @@ class Demand(NamedTuple):
     nominal_m: Triple
     impedance: ImpedanceState
     explicit: ExplicitState
-    withheld: Withheld
+    offset: Offset
     clamped: int
 
 
@@ -61,21 +61,21 @@ def nominal_joints(params: ControllerParams, trial: Trial, deltas: Deltas, pitch
 
 
 @kernel
-def demand(
+def setpoints(
     params: ControllerParams,
     impedance: ImpedanceState,
     explicit: ExplicitState,
-    withheld: Withheld,
+    offset: Offset,
     trial: Trial,
     deltas: Deltas,
     pitch_rad: float,
     seen: Seen,
     dt_s: float,
-) -> Demand:
+) -> Setpoints:
     """Set-points while the law runs: reference, target impedance, inverse kinematics (thesis 5.1.3, steps 1 to 3)."""
     if params.target not in (TARGET_IMPEDANCE, TARGET_EXPLICIT):
         q, x, clamped = nominal_joints(params, trial, deltas, pitch_rad)
-        return Demand(q, x, x, impedance, explicit, withheld, clamped)
+        return Setpoints(q, x, x, impedance, explicit, offset, clamped)
     x0, target = trial.x_start_m, params.impedance
     nominal = (x0[0] + deltas[3], x0[1] + deltas[4], x0[2] + deltas[5])
     if params.target == TARGET_EXPLICIT:
@@ -86,11 +86,11 @@ def demand(
         impedance, x = measured_step(impedance, target, nominal, seen.x_m, v, seen.force_n - seen.force_set_n, dt_s)
     else:
         error_n = seen.force_n - seen.force_set_n
-        withheld = withhold(withheld, params.apparent, target.force_axis, nominal, seen.force_n)
-        compensated = along_axis(nominal, target.force_axis, -withheld.withheld_m)
+        offset = withhold(offset, params.apparent, target.force_axis, nominal, seen.force_n)
+        compensated = along_axis(nominal, target.force_axis, -offset.offset_m)
         impedance, x = adapted_step(impedance, target, params.adaptation, compensated, seen.force_n, error_n, dt_s)
     q, clamped = inverse(params.geometry, x, pitch_rad)
-    return Demand(q, x, nominal, impedance, explicit, withheld, clamped)
+    return Setpoints(q, x, nominal, impedance, explicit, offset, clamped)
 
 
 @kernel

@@ -10,22 +10,22 @@ while there is contact (the thesis lost its parentheses). What is withheld on th
 
 from typing import NamedTuple
 
-from hydrohil.services.controller.params import ApparentParams
+from hydrohil.services.controller.params import SetpointScalingParams
 from hydrohil.shared.compiled.kernel import kernel
 from hydrohil.shared.contract.pose import Triple
 
 
-class Withheld(NamedTuple):
+class Offset(NamedTuple):
     """How far the compensated nominal position has stayed behind the reference along the gauge's axis."""
 
-    withheld_m: float
+    offset_m: float
     reference_m: Triple  # x_d of the last sample
 
 
 @kernel
-def withhold(state: Withheld, params: ApparentParams, axis: int, reference_m: Triple, force_n: float) -> Withheld:
+def withhold(state: Offset, params: SetpointScalingParams, axis: int, reference_m: Triple, force_n: float) -> Offset:
     """State after the reference has gone to `reference_m` while the gauge reads `force_n`, compression positive."""
-    withheld_m = state.withheld_m
+    offset_m = state.offset_m
     if force_n > params.contact_n:
-        withheld_m += (1.0 - params.share) * (reference_m[axis] - state.reference_m[axis])
-    return Withheld(withheld_m, reference_m)
+        offset_m += (1.0 - params.share) * (reference_m[axis] - state.reference_m[axis])
+    return Offset(offset_m, reference_m)

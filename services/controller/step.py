@@ -15,8 +15,8 @@ from hydrohil.services.controller.laws import AT_REST, LinkLawState, law_step, l
 from hydrohil.services.controller.params import ControllerParams, LinkGains
 from hydrohil.services.controller.reference import Table, reference_deltas
 from hydrohil.services.controller.regression import Window, filled_window, push, velocities
-from hydrohil.services.controller.setpoint import Demand, Seen, demand, judge_ready, nominal_joints
-from hydrohil.services.controller.setpoint_scaling import Withheld
+from hydrohil.services.controller.setpoint import Seen, Setpoints, judge_ready, nominal_joints, setpoints
+from hydrohil.services.controller.setpoint_scaling import Offset
 from hydrohil.services.controller.trial import Trial, advance, follows, runs
 from hydrohil.shared.compiled.kernel import kernel
 from hydrohil.shared.contract.converters import ZERO_CODE, code_to_current, current_to_code
@@ -53,7 +53,7 @@ class ControlMemory(NamedTuple):
     force_set_n: tuple[float, float]
     impedance: ImpedanceState
     explicit: ExplicitState
-    withheld: Withheld
+    offset: Offset
     qd_rad_per_s: Triple  # at the last sample
     laws: Laws
     ready: int  # judged while tracking, kept while the law runs
@@ -82,7 +82,7 @@ def control_start(params: ControllerParams) -> ControlMemory:
     origin = (0.0, 0.0, 0.0)
     trial = Trial(-1, NO_TRIAL, 0, False, False, 0, origin, origin, 0, 0)
     window = filled_window(0, origin, params.sample_period_ns)
-    start, still, nothing = rest(origin, origin), Filtered(0.0, 0.0), Withheld(0.0, origin)
+    start, still, nothing = rest(origin, origin), Filtered(0.0, 0.0), Offset(0.0, origin)
     return ControlMemory(
         trial, window, (0, 0), still, (0.0, 0.0), start, FILTERS_AT_REST, nothing, origin, LAWS_AT_REST, 0, NOTHING_CHANGED
     )
@@ -98,7 +98,7 @@ def begin(memory: ControlMemory, params: ControllerParams, sample: Sample, q: Tr
     window = filled_window(sample.time_ns - params.sample_period_ns, q, params.sample_period_ns)
     counts = (sample.force_counts, sample.force_counts)
     filtered, still = Filtered(params.calibration.force_n_per_count * sample.force_counts, 0.0), (0.0, 0.0, 0.0)
-    start, nothing = rest(x, x), Withheld(0.0, x)
+    start, nothing = rest(x, x), Offset(0.0, x)
     return ControlMemory(
         trial, window, counts, filtered, (0.0, 0.0), start, FILTERS_AT_REST, nothing, still, LAWS_AT_REST, 0, NOTHING_CHANGED
     )
@@ -229,10 +229,10 @@ def control_step(
     if running:
         force_set_n = mean_of_three(deltas[6], memory.force_set_n[0], memory.force_set_n[1])
         seen = Seen(q, memory.qd_rad_per_s, x, force.mean_n, params.impedance.force_gain * force_set_n)
-        wanted = demand(params, memory.impedance, memory.explicit, memory.withheld, trial, deltas, pitch_rad, seen, dt_s)
+        wanted = setpoints(params, memory.impedance, memory.explicit, memory.offset, trial, deltas, pitch_rad, seen, dt_s)
     else:
         _, nominal, _ = nominal_joints(params, trial, deltas, pitch_rad)
-        wanted = Demand(q, x, nominal, rest(x, nominal), FILTERS_AT_REST, Withheld(0.0, nominal), 0)
+        wanted = Setpoints(q, x, nominal, rest(x, nominal), FILTERS_AT_REST, Offset(0.0, nominal), 0)
         ready = judge_ready(params, trial, table, q, pitch_rad)
     window = push(memory.window, sample.time_ns, q, wanted.q_rad)
     qd, qd_set = velocities(window)
@@ -266,9 +266,9 @@ def control_step(
     )
     force_counts = (sample.force_counts, memory.force_counts[0])
     force_sets_n = (deltas[6], memory.force_set_n[0])
-    impedance, explicit, withheld = wanted.impedance, wanted.explicit, wanted.withheld
+    impedance, explicit, offset = wanted.impedance, wanted.explicit, wanted.offset
     handover = Handover(0, memory.handover.tight_until)
     memory = ControlMemory(
-        trial, window, force_counts, filtered, force_sets_n, impedance, explicit, withheld, qd, made.laws, ready, handover
+        trial, window, force_counts, filtered, force_sets_n, impedance, explicit, offset, qd, made.laws, ready, handover
     )
     return memory, made.codes, thought

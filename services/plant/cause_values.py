@@ -7,7 +7,7 @@ from hydrohil.shared.contract.messages import GateCause
 from hydrohil.shared.units import NS_PER_S
 
 
-def numbers(cause: int, before: GateMemory, seen: GateInput, limits: GateLimits) -> tuple[float, float]:
+def cause_values(cause: int, before: GateMemory, seen: GateInput, limits: GateLimits) -> tuple[float, float]:
     """Measured value and limit; zeros where there is no number. `before` is the gate as it stood when it judged `seen`."""
     known = {
         GateCause.PERMIT_STALE: (seen.permit.age_ns / NS_PER_S, limits.permit_ttl_ns / NS_PER_S),
@@ -18,7 +18,7 @@ def numbers(cause: int, before: GateMemory, seen: GateInput, limits: GateLimits)
         GateCause.FORCE_ABOVE_LIMIT: (seen.force_n, limits.force_limit_n),
         GateCause.NOT_UNLOADING: _unloading(seen, limits),
         GateCause.LINK_FAULTS: (float(seen.link_faults), float(limits.faults_per_s)),
-        GateCause.TWO_PUBLISHERS: (float(seen.rivals), float(limits.faults_per_s)),
+        GateCause.TWO_PUBLISHERS: (float(seen.epoch_conflicts), float(limits.faults_per_s)),
     }
     return known.get(GateCause(cause), (0.0, 0.0))
 

@@ -60,11 +60,11 @@ def latch_substeps(config: PlantConfig) -> int:
     return latch
 
 
-def bias_ticks(config: PlantConfig) -> int:
+def tare_ticks(config: PlantConfig) -> int:
     """Samples of force bias removal before tick 0."""
     return int(config.bias_s * NS_PER_S) // (config.sample_period_substeps * SUBSTEP_NS)
 
 
 def trial_ticks(config: PlantConfig, duration_s: float) -> tuple[int, int]:
     """First tick of a trial, and the one after its last."""
-    return -bias_ticks(config), round(duration_s * NS_PER_S / (config.sample_period_substeps * SUBSTEP_NS))
+    return -tare_ticks(config), round(duration_s * NS_PER_S / (config.sample_period_substeps * SUBSTEP_NS))

@@ -4,7 +4,7 @@ from typing import NamedTuple, Protocol
 
 from hydrohil.services.plant.config import PlantConfig
 from hydrohil.shared.contract.faults import Fault
-from hydrohil.shared.contract.messages import NO_TRIAL, LinkCounts, Truth
+from hydrohil.shared.contract.messages import NO_TRIAL, GroundTruth, LinkCounts
 
 Faults = tuple[Fault, ...]
 
@@ -59,5 +59,5 @@ class Device(Protocol):
     def faults(self) -> tuple[Faults, Faults]:
         """Acting at the sample last read, and injected but not begun."""
 
-    def truth(self) -> Truth | None:
+    def ground_truth(self) -> GroundTruth | None:
         """What only an emulator knows."""

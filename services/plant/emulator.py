@@ -8,14 +8,14 @@ from hydrohil.services.plant.faults import Held, Row
 from hydrohil.services.plant.faulty_actuators import faulty_codes, faulty_machine
 from hydrohil.services.plant.faulty_sensors import faulty_sense
 from hydrohil.services.plant.injection import Injection, clock
-from hydrohil.services.plant.machine import MachineState, advance_resident, machine_start, sense, truth
+from hydrohil.services.plant.machine import MachineState, advance_resident, ground_truth, machine_start, sense
 from hydrohil.services.plant.noise import force_noise_n
 from hydrohil.services.plant.params import contact_params
 from hydrohil.shared.compiled.compiled_value import resident
 from hydrohil.shared.compiled.kernel import compiled
 from hydrohil.shared.contract.converters import ZERO_CODE
 from hydrohil.shared.contract.faults import Fault, of_group
-from hydrohil.shared.contract.messages import NO_TRIAL, LinkCounts, Truth
+from hydrohil.shared.contract.messages import NO_TRIAL, GroundTruth, LinkCounts
 from hydrohil.shared.units import SUBSTEP_NS
 
 _IDLE_NOISE_TICKS = 4096  # outside a trial the noise repeats after this many samples
@@ -109,10 +109,10 @@ class Emulator:
         """Acting at the sample last read, and injected but not begun."""
         return self._injection.acting, self._injection.waiting
 
-    def truth(self) -> Truth:
+    def ground_truth(self) -> GroundTruth:
         """What only an emulator knows, at the sub-step last read or written."""
         timeline = self._timeline
-        return truth(self._state, self._machine, self._contact, timeline.number, timeline.tick)
+        return ground_truth(self._state, self._machine, self._contact, timeline.number, timeline.tick)
 
     def _play(self) -> None:
         """Sub-steps up to now; the watchdog falls at its own sub-step."""

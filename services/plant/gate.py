@@ -1,6 +1,6 @@
 """The gate between bus and D/A: zero current unless everything that permits motion holds. It has the last word.
 
-It is silent at boot, loses permission by absence, and never opens again on an arming that a cut has burned.
+It is silent at boot, loses permission by absence, and never opens again on an arming that a cut has revoked.
 Every condition states what must hold, so that an unknown value shuts.
 """
 
@@ -11,12 +11,12 @@ from hydrohil.shared.compiled.kernel import kernel
 from hydrohil.shared.contract.converters import ZERO_CODE
 from hydrohil.shared.contract.messages import NO_COMMAND, GateCause, GateState, LinkCounts, Mode
 
-SHUT, OPEN, BURNED, RECOVERING = map(int, GateState)
+SHUT, OPEN, REVOKED, RECOVERING = map(int, GateState)
 (
     NONE,
     NO_PERMIT,
     NOT_RUNNING,
-    BURNED_ARMING,
+    REVOKED_ARMING,
     PERMIT_STALE,
     COMMAND_MISSING,
     COMMAND_STALE,
@@ -29,32 +29,32 @@ SHUT, OPEN, BURNED, RECOVERING = map(int, GateState)
     FORCE_ABOVE_LIMIT,
     NOT_UNLOADING,
     ESTOP,
-    OVERSLEPT,
+    OVERRUN,
     LINK_FAULTS,
     TWO_PUBLISHERS,
 ) = map(int, GateCause)
 _RUNNING, _RECOVER = int(Mode.RUNNING), int(Mode.RECOVER)
 _ZERO = (ZERO_CODE, ZERO_CODE, ZERO_CODE)
 _NO_SIGNS = (0, 0, 0)
-_NO_ARMINGS = (0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0)
+_NO_ARMING_IDS = (0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0)
 
 
-class PermitSeen(NamedTuple):
+class PermitObservation(NamedTuple):
     """The newest valid permit; age by its echo, -1 if the echo names no sample of this plant."""
 
     present: bool
-    arming: int
+    arming_id: int
     epoch: int
     mode: int
     age_ns: int
     recover_signs: LinkCounts
 
 
-class CommandSeen(NamedTuple):
+class CommandObservation(NamedTuple):
     """The newest valid command; age by its echo, -1 if the echo names no sample of this plant."""
 
     present: bool
-    arming: int
+    arming_id: int
     epoch: int
     age_ns: int
     number: int
@@ -64,15 +64,15 @@ class CommandSeen(NamedTuple):
 class GateInput(NamedTuple):
     """What the gate judges at one instant."""
 
-    permit: PermitSeen
-    command: CommandSeen
+    permit: PermitObservation
+    command: CommandObservation
     force_counts: int
     force_n: float
     tick: int  # of the sample that is being answered
     estop: bool
-    overslept: bool  # the plant itself stood still for longer than the lease
+    overrun: bool  # the plant itself stood still for longer than the lease
     link_faults: int  # CRC and sequence faults of the last second under a bound identity, of the worse link
-    rivals: int  # frames of the last second by which a bound sender has another epoch, of the worse link
+    epoch_conflicts: int  # frames of the last second by which a bound sender has another epoch, of the worse link
 
 
 class GateMemory(NamedTuple):
@@ -83,30 +83,30 @@ class GateMemory(NamedTuple):
     codes: LinkCounts = _ZERO
     command_number: int = NO_COMMAND
     open_samples: int = 0
-    arming: int = 0  # bound while open
+    arming_id: int = 0  # bound while open
     permit_epoch: int = 0
     command_epoch: int = 0
-    burned: tuple[int, int, int, int, int, int, int, int, int, int, int, int, int, int, int, int] = _NO_ARMINGS  # the last 16
+    revoked: tuple[int, int, int, int, int, int, int, int, int, int, int, int, int, int, int, int] = _NO_ARMING_IDS  # the last 16
     recover_signs: LinkCounts = _NO_SIGNS
 
 
-NO_PERMIT_SEEN = PermitSeen(False, 0, 0, 0, -1, _NO_SIGNS)
-NO_COMMAND_SEEN = CommandSeen(False, 0, 0, -1, NO_COMMAND, _ZERO)
+NO_PERMIT_OBSERVATION = PermitObservation(False, 0, 0, 0, -1, _NO_SIGNS)
+NO_COMMAND_OBSERVATION = CommandObservation(False, 0, 0, -1, NO_COMMAND, _ZERO)
 
 
 @kernel
 def gate_step(memory: GateMemory, limits: GateLimits, seen: GateInput, at_latch: bool) -> GateMemory:
     """Judge permit, command and force; `at_latch` marks the regular instant, once a sample."""
     cause = _broken(memory, limits, seen)
-    shut = memory.state == SHUT or memory.state == BURNED
+    shut = memory.state == SHUT or memory.state == REVOKED
     if cause != NONE:
-        burned = memory.burned
+        revoked = memory.revoked
         if not shut:
-            burned = (memory.arming,) + burned[:-1]
-        elif cause >= IMPOSSIBLE_ECHO and seen.permit.arming != 0 and not _is_burned(burned, seen.permit.arming):
-            burned = (seen.permit.arming,) + burned[:-1]
-        state = BURNED if seen.permit.present and _is_burned(burned, seen.permit.arming) else SHUT
-        return GateMemory(state, cause, _ZERO, seen.command.number, 0, 0, 0, 0, burned, _NO_SIGNS)
+            revoked = (memory.arming_id,) + revoked[:-1]
+        elif cause >= IMPOSSIBLE_ECHO and seen.permit.arming_id != 0 and not _is_revoked(revoked, seen.permit.arming_id):
+            revoked = (seen.permit.arming_id,) + revoked[:-1]
+        state = REVOKED if seen.permit.present and _is_revoked(revoked, seen.permit.arming_id) else SHUT
+        return GateMemory(state, cause, _ZERO, seen.command.number, 0, 0, 0, 0, revoked, _NO_SIGNS)
     recovering = seen.permit.mode == _RECOVER
     samples = memory.open_samples + 1 if at_latch else memory.open_samples
     return GateMemory(
@@ -115,18 +115,18 @@ def gate_step(memory: GateMemory, limits: GateLimits, seen: GateInput, at_latch:
         seen.command.codes,
         seen.command.number,
         samples,
-        seen.permit.arming,
+        seen.permit.arming_id,
         seen.permit.epoch,
         seen.command.epoch,
-        memory.burned,
+        memory.revoked,
         seen.permit.recover_signs if recovering else _NO_SIGNS,
     )
 
 
 @kernel
-def _is_burned(burned: tuple[int, ...], arming: int) -> bool:
-    for number in burned:
-        if number == arming and arming != 0:
+def _is_revoked(revoked: tuple[int, ...], arming_id: int) -> bool:
+    for number in revoked:
+        if number == arming_id and arming_id != 0:
             return True
     return False
 
@@ -136,11 +136,11 @@ def _broken(memory: GateMemory, limits: GateLimits, seen: GateInput) -> int:
     """The first condition that does not hold."""
     if seen.estop:
         return ESTOP
-    if seen.overslept:
-        return OVERSLEPT
+    if seen.overrun:
+        return OVERRUN
     if not seen.link_faults <= limits.faults_per_s:
         return LINK_FAULTS
-    if not seen.rivals <= limits.faults_per_s:
+    if not seen.epoch_conflicts <= limits.faults_per_s:
         return TWO_PUBLISHERS
     cause = _permit_broken(memory, limits, seen)
     if cause == NONE:
@@ -153,10 +153,10 @@ def _broken(memory: GateMemory, limits: GateLimits, seen: GateInput) -> int:
 @kernel
 def _permit_broken(memory: GateMemory, limits: GateLimits, seen: GateInput) -> int:
     permit = seen.permit
-    if not permit.present or permit.arming == 0:
+    if not permit.present or permit.arming_id == 0:
         return NO_PERMIT
-    if _is_burned(memory.burned, permit.arming):
-        return BURNED_ARMING
+    if _is_revoked(memory.revoked, permit.arming_id):
+        return REVOKED_ARMING
     if not permit.age_ns >= 0:
         return IMPOSSIBLE_ECHO
     if not permit.age_ns <= limits.permit_ttl_ns:
@@ -164,9 +164,11 @@ def _permit_broken(memory: GateMemory, limits: GateLimits, seen: GateInput) -> i
     running = permit.mode == _RUNNING and seen.tick >= 0
     if not (running or permit.mode == _RECOVER):
         return NOT_RUNNING
-    if memory.arming != 0 and (permit.arming != memory.arming or (permit.mode == _RECOVER) != (memory.state == RECOVERING)):
+    if memory.arming_id != 0 and (
+        permit.arming_id != memory.arming_id or (permit.mode == _RECOVER) != (memory.state == RECOVERING)
+    ):
         return OTHER_ARMING
-    if memory.arming != 0 and permit.epoch != memory.permit_epoch:
+    if memory.arming_id != 0 and permit.epoch != memory.permit_epoch:
         return EPOCH_CHANGED
     return NONE
 
@@ -180,9 +182,9 @@ def _command_broken(memory: GateMemory, limits: GateLimits, seen: GateInput) -> 
         return IMPOSSIBLE_ECHO
     if not command.age_ns <= limits.command_ttl_ns:
         return COMMAND_STALE
-    if command.arming != seen.permit.arming:
+    if command.arming_id != seen.permit.arming_id:
         return OTHER_ARMING
-    if memory.arming != 0 and command.epoch != memory.command_epoch:
+    if memory.arming_id != 0 and command.epoch != memory.command_epoch:
         return EPOCH_CHANGED
     slew = slew_codes(memory, limits)
     for link in range(3):

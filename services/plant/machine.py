@@ -19,7 +19,7 @@ from hydrohil.services.plant.params import AXIS_X, ContactParams, LinkParams, Ma
 from hydrohil.services.plant.sensors import encoder_counts, gauge_counts
 from hydrohil.shared.compiled.kernel import kernel
 from hydrohil.shared.contract.converters import code_to_current
-from hydrohil.shared.contract.messages import LinkCounts, Truth
+from hydrohil.shared.contract.messages import GroundTruth, LinkCounts
 from hydrohil.shared.units import SUBSTEP_S
 
 
@@ -187,9 +187,9 @@ def sticking(state: MachineState) -> LinkCounts:
 
 
 @kernel
-def truth(state: MachineState, machine: MachineParams, contact: ContactParams, number: int, tick: int) -> Truth:
+def ground_truth(state: MachineState, machine: MachineParams, contact: ContactParams, number: int, tick: int) -> GroundTruth:
     """What only an emulator knows, as it is published."""
-    return Truth(
+    return GroundTruth(
         number,
         tick,
         state.q_rad,

@@ -1,6 +1,6 @@
 """The newest valid permit and command, with their ages by this plant's ledger."""
 
-from hydrohil.services.plant.gate import NO_COMMAND_SEEN, NO_PERMIT_SEEN, CommandSeen, PermitSeen
+from hydrohil.services.plant.gate import NO_COMMAND_OBSERVATION, NO_PERMIT_OBSERVATION, CommandObservation, PermitObservation
 from hydrohil.services.plant.ledger import Ledger
 from hydrohil.shared.contract.codec import Received
 from hydrohil.shared.contract.messages import NO_COMMAND
@@ -31,9 +31,9 @@ class Mailbox:
         return taken
 
     @property
-    def arming(self) -> int:
+    def arming_id(self) -> int:
         """Arming number of the permit held, 0 without one."""
-        return self.permit.header.arming if self.permit is not None else 0
+        return self.permit.header.arming_id if self.permit is not None else 0
 
     @property
     def answered(self) -> int:
@@ -45,18 +45,18 @@ class Mailbox:
         """Number of the sample that the permit held was judged on."""
         return self.permit.header.echo_number if self.permit is not None else NO_COMMAND
 
-    def permit_seen(self, now_ns: int) -> PermitSeen:
+    def observe_permit(self, now_ns: int) -> PermitObservation:
         """The permit as the gate sees it now."""
         if self.permit is None:
-            return NO_PERMIT_SEEN
+            return NO_PERMIT_OBSERVATION
         header, body = self.permit.header, self.permit.body
         age_ns = self._ledger.age(header.echo_number, header.echo_time_ns, now_ns)
-        return PermitSeen(True, header.arming, header.epoch, body.mode, age_ns, body.recover_signs)
+        return PermitObservation(True, header.arming_id, header.epoch, body.mode, age_ns, body.recover_signs)
 
-    def command_seen(self, now_ns: int) -> CommandSeen:
+    def observe_command(self, now_ns: int) -> CommandObservation:
         """The command as the gate sees it now."""
         if self.command is None:
-            return NO_COMMAND_SEEN
+            return NO_COMMAND_OBSERVATION
         header, body = self.command.header, self.command.body
         age_ns = self._ledger.age(header.echo_number, header.echo_time_ns, now_ns)
-        return CommandSeen(True, header.arming, header.epoch, age_ns, header.echo_number, body.dac_counts)
+        return CommandObservation(True, header.arming_id, header.epoch, age_ns, header.echo_number, body.dac_counts)

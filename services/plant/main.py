@@ -24,7 +24,7 @@ def main(arguments: list[str] | None = None) -> int:
         "--permit-ttl-ms", type=float, help="lease of permits and commands; default: chosen from this host's lateness"
     )
     line.add_argument("--gate-force-limit-n", type=float, default=420.0, help="raw force at which the gate cuts by itself (420)")
-    line.add_argument("--no-heralds", action="store_true", help="send none before a sample: less work, later answers")
+    line.add_argument("--no-warm-up frames", action="store_true", help="send none before a sample: less work, later answers")
     given = line.parse_args(arguments)
     options = options_of(line, given)
     limits = GateLimits(force_limit_n=given.gate_force_limit_n)
@@ -37,10 +37,10 @@ def main(arguments: list[str] | None = None) -> int:
         )
     fixed = given.permit_ttl_ms is not None
     probe = None if fixed else Probe(MEASURED_S, realtime=options.realtime)
-    return _serve(options, limits, LeaseChoice(probe, fixed=fixed), heralds=not given.no_heralds)
+    return _serve(options, limits, LeaseChoice(probe, fixed=fixed), warmups=not given.no_warmup)
 
 
-def _serve(options: Options, limits: GateLimits, lease: LeaseChoice, *, heralds: bool) -> int:
+def _serve(options: Options, limits: GateLimits, lease: LeaseChoice, *, warmups: bool) -> int:
     """Compile, open the transport, and run; returns the exit status."""
     from hydrohil.services.plant.device import Timeline
     from hydrohil.services.plant.emulator import Emulator
@@ -51,7 +51,7 @@ def _serve(options: Options, limits: GateLimits, lease: LeaseChoice, *, heralds:
     silent: list[str] = []
 
     def run(bus: Bus, stopped: Callable[[], bool]) -> None:
-        plant = Plant(bus, emulator, timeline, limits, stopped, lease, heralds=heralds)
+        plant = Plant(bus, emulator, timeline, limits, stopped, lease, warmups=warmups)
         try:
             plant.run()
         except PeerSilentError as error:

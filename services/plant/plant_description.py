@@ -3,14 +3,14 @@
 from hydrohil.services.plant.config import GateLimits, PlantConfig, latch_substeps
 from hydrohil.services.plant.params import contact_params
 from hydrohil.shared.contract.converters import UNIMATE_CONVERTERS, UNIMATE_ENCODERS, UNIMATE_FORCE
-from hydrohil.shared.contract.messages import About
+from hydrohil.shared.contract.messages import PlantDescription
 from hydrohil.shared.units import SUBSTEP_NS
 
 
-def about(config: PlantConfig, limits: GateLimits) -> About:
+def describe(config: PlantConfig, limits: GateLimits) -> PlantDescription:
     """The description that a controller of this machine needs."""
     contact = contact_params(config.environment)
-    return About(
+    return PlantDescription(
         "Unimate MKII-2000",
         UNIMATE_ENCODERS,
         UNIMATE_FORCE,

@@ -5,12 +5,12 @@ import os
 from typing import TYPE_CHECKING, Any
 
 from hydrohil.services.plant.config import PlantConfig
-from hydrohil.services.plant.plant_description import about
+from hydrohil.services.plant.plant_description import describe
 from hydrohil.services.plant.trial import Schedule
 from hydrohil.shared.contract.envelope import one_fault, section, unseal
 from hydrohil.shared.contract.faults import MOST_FAULTS, Fault, problem, row_of, ticks_of
 from hydrohil.shared.contract.messages import NO_TRIAL, GateCause
-from hydrohil.shared.host.realtime import follow, unhurried
+from hydrohil.shared.host.realtime import set_scheduling, without_realtime
 from hydrohil.shared.transport.bus import Run
 from hydrohil.shared.transport.link_stats import told
 from hydrohil.shared.transport.requests import Request
@@ -40,20 +40,20 @@ def answer(plant: "Plant", request: Request) -> None:
 
 def _armed(plant: "Plant") -> bool:
     """Whether the gate is bound, or a permit that is not stale carries an arming; that of a supervisor that died binds nobody."""
-    if plant.keeper.gate.arming != 0:
+    if plant.keeper.gate.arming_id != 0:
         return True
-    permit = plant.keeper.mailbox.permit_seen(plant.now_ns())
-    return permit.arming != 0 and 0 <= permit.age_ns <= plant.keeper.limits.permit_ttl_ns
+    permit = plant.keeper.mailbox.observe_permit(plant.now_ns())
+    return permit.arming_id != 0 and 0 <= permit.age_ns <= plant.keeper.limits.permit_ttl_ns
 
 
 def _load(plant: "Plant", request: Request) -> None:
     if _armed(plant):
         return request.refuse("a trial is armed or running: stop it first (`hydrohil stop`)")
     try:
-        with unhurried():
+        with without_realtime():
             envelope = unseal(str(request.arguments.get("envelope")))
             schedule = Schedule(section(envelope, "plant", PlantConfig), envelope)
-        about(schedule.config, plant.keeper.limits)
+        describe(schedule.config, plant.keeper.limits)
         plant.faults.loaded(envelope)
         if refused := plant.device.refuses(schedule.faults):
             raise ValueError(refused)
@@ -74,17 +74,17 @@ def _commit(plant: "Plant", request: Request) -> None:
         conditions = plant.faults.loaded(envelope)  # once more: faults may have been injected since the load
     except ValueError as error:
         return request.refuse(str(error))
-    with unhurried():  # the noise of ten minutes at 1 kHz takes a tenth of a second
+    with without_realtime():  # the noise of ten minutes at 1 kHz takes a tenth of a second
         plant.device.load(schedule.config, envelope.seed, schedule.first_tick, schedule.ticks, schedule.faults)
     plant.schedule = schedule
     plant.timeline.tick = NO_TRIAL  # nobody answers a sample of the trial before: in lockstep one may be waiting for that
     plant.bus.run = Run(envelope.run, envelope.digest, 0)
     plant.bus.impair(conditions)
     plant.bus.waits_for_room = schedule.lockstep
-    follow(envelope.clock)
+    set_scheduling(envelope.clock)
     gc.collect()
     plant.grid.restart_at(plant.due)
-    plant.tell_about()
+    plant.publish_description()
     return request.reply({"digest": envelope.digest.hex()})
 
 
@@ -147,7 +147,7 @@ def _status(plant: "Plant", request: Request) -> None:
             "last_cut": GateCause(keeper.last_cut).name,
             "last_cut_ns": keeper.last_cut_ns,
             "last_cut_clock_ns": keeper.last_cut_clock_ns,
-            "burned_armings": len(keeper.burned),
+            "revoked_arming_ids": len(keeper.revoked),
             "estop": keeper.estop,
             "injected": plant.faults.acting(),
             "faults": {
@@ -156,6 +156,6 @@ def _status(plant: "Plant", request: Request) -> None:
             },
             "experiment": plant.bus.run.experiment.hex(),
             "run": plant.bus.run.run,
-            "reception": told((keeper.commands, keeper.permits)),
+            "link_stats": told((keeper.commands, keeper.permits)),
         }
     )

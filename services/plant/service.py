@@ -9,13 +9,13 @@ from hydrohil.services.plant.config import GateLimits, PlantConfig
 from hydrohil.services.plant.counters import Counters
 from hydrohil.services.plant.device import Device, Faults, Timeline
 from hydrohil.services.plant.gatekeeper import Gatekeeper
-from hydrohil.services.plant.plant_description import about
+from hydrohil.services.plant.plant_description import describe
 from hydrohil.services.plant.requests import answer
 from hydrohil.services.plant.trial import Schedule
-from hydrohil.services.plant.warmup import Heralds
+from hydrohil.services.plant.warmup import Warmups
 from hydrohil.shared.contract.codec import Received
 from hydrohil.shared.contract.converters import ZERO_CODE
-from hydrohil.shared.contract.messages import NO_TRIAL, FaultEvent, GateState, Mode, Sample, Truth
+from hydrohil.shared.contract.messages import NO_TRIAL, FaultEvent, GateState, GroundTruth, Mode, Sample
 from hydrohil.shared.host.clock import SLACK_NS, Grid
 from hydrohil.shared.host.lease import UNCHOSEN, LeaseChoice
 from hydrohil.shared.transport.bus import Bus
@@ -24,7 +24,7 @@ from hydrohil.shared.transport.live_faults import LiveFaults
 from hydrohil.shared.units import SUBSTEP_NS
 
 LOCKSTEP_TIMEOUT_S = 5.0
-ABOUT_EVERY = 100  # samples: for those who join late
+DESCRIPTION_EVERY = 100  # samples: for those who join late
 _POLL_S = 0.05
 
 
@@ -44,20 +44,20 @@ class Plant:
         stopped: Callable[[], bool],
         lease: LeaseChoice,
         *,
-        heralds: bool = True,
+        warmups: bool = True,
     ) -> None:
         """Take the places on the bus."""
         self.bus, self.device, self.timeline, self.stopped = bus, device, timeline, stopped
         self.grid, self.counters = Grid(), Counters()
         self.lease, self.faults = lease, LiveFaults(bus)
-        self.heralds = Heralds(bus, self.grid, wanted=heralds)
+        self.warmups = Warmups(bus, self.grid, wanted=warmups)
         self.keeper = Gatekeeper(bus, device, timeline, limits, self.counters)
         self.schedule = Schedule(PlantConfig())
         self.pending: Schedule | None = None
         self.due = 0  # sub-step of the next sample
         self._trial_zero_ns = 0
         self._last: Sample | None = None
-        self._truth: Truth | None = None
+        self._ground_truth: GroundTruth | None = None
         self._faults: Faults = ()
 
     def run(self) -> None:
@@ -73,10 +73,10 @@ class Plant:
     def sample(self) -> None:
         """Wait for the grid, read the converters, publish."""
         if self._last is not None and self.timeline.tick != NO_TRIAL and not self._lockstep():
-            self.heralds.send(self.due, self._last)
+            self.warmups.send(self.due, self._last)
         self._wait(self.due)
         if self._lockstep():
-            self._receive_in_step(self.due)
+            self._receive_lockstep(self.due)
         else:
             self.keeper.receive(self.now_ns(), at_latch=False, late=self._apply_late)
         self._advance_to(self.due)
@@ -89,7 +89,7 @@ class Plant:
         keeper = self.keeper
         keeper.force_counts = reading.force_counts
         keeper.ledger.issue(number, time_ns, self.now_ns())
-        self._heed_stops()  # before the sample is made, so that it tells
+        self._serve_stops()  # before the sample is made, so that it tells
         gate = keeper.gate
         sample = Sample(
             number,
@@ -111,14 +111,14 @@ class Plant:
 
     def _publish(self, sample: Sample) -> None:
         echo = (sample.number, sample.time_ns)
-        self.bus.run = self.bus.run._replace(arming=self.keeper.mailbox.arming)
+        self.bus.run = self.bus.run._replace(arming_id=self.keeper.mailbox.arming_id)
         self.bus.publish("plant/sample", sample, echo)
         self._last = sample
-        self._truth = self.device.truth()
+        self._ground_truth = self.device.ground_truth()
         if self._lockstep():
-            self._tell_truth()
-        if sample.number % ABOUT_EVERY == 0:
-            self.tell_about()
+            self._publish_ground_truth()
+        if sample.number % DESCRIPTION_EVERY == 0:
+            self.publish_description()
 
     def _begin_trial(self) -> None:
         self.device.begin()
@@ -138,23 +138,23 @@ class Plant:
         self._advance_to(latch)
         self.keeper.late_substeps = 0
         self._count()
-        self._heed_stops()
+        self._serve_stops()
         self.keeper.judge(self.now_ns(), at_latch=True)
         self._follow_permit()
-        self._tell_truth()
-        self._tell_faults()
+        self._publish_ground_truth()
+        self._publish_faults()
         if due(self.timeline.number, self.schedule.period * SUBSTEP_NS):
-            self.keeper.tell_reception()
+            self.keeper.publish_link_stats()
         self.due += self.schedule.interval(self.timeline.tick)
         self.timeline.number += 1
 
-    def _tell_truth(self) -> None:
+    def _publish_ground_truth(self) -> None:
         """Once a sample: in lockstep while the others answer it, else after the latch, until when the command's way is free."""
-        truth, self._truth = self._truth, None
-        if truth is not None:
-            self.bus.publish("plant/truth", truth, (self.timeline.number, self.due * SUBSTEP_NS))
+        ground_truth, self._ground_truth = self._ground_truth, None
+        if ground_truth is not None:
+            self.bus.publish("plant/ground_truth", ground_truth, (self.timeline.number, self.due * SUBSTEP_NS))
 
-    def _tell_faults(self) -> None:
+    def _publish_faults(self) -> None:
         """Each fault that has begun or ended with this sample."""
         before, self._faults = self._faults, self.device.faults()[0]
         if before == self._faults:
@@ -174,14 +174,14 @@ class Plant:
         if self._lockstep():  # whose answers all come at the latch
             return
         latch_ns = self.schedule.latch * SUBSTEP_NS
-        self.heralds.heed(self.keeper.command_age_ns if answered else latch_ns, latch_ns)
+        self.warmups.observe(self.keeper.command_age_ns if answered else latch_ns, latch_ns)
 
     def _await_answers(self) -> None:
         """Lockstep: until command and permit answer this sample, or a load ends the trial; PeerSilentError names who does not."""
         deadline = time.monotonic() + LOCKSTEP_TIMEOUT_S
         number = self.timeline.number
         while self._lockstep() and not self.stopped() and not self.keeper.estop:
-            self._receive_in_step(self.due + self.schedule.latch)
+            self._receive_lockstep(self.due + self.schedule.latch)
             missing = [name for name, dealt_with in self.keeper.dealt_with() if dealt_with < number]
             if not missing:
                 return
@@ -192,9 +192,9 @@ class Plant:
             self.serve()
             self.bus.wait(_POLL_S)
 
-    def _receive_in_step(self, substep: int) -> None:
+    def _receive_lockstep(self, substep: int) -> None:
         """Lockstep: what has come by a sub-step of simulated time; only faults make it late."""
-        self.keeper.receive_in_step(substep * SUBSTEP_NS, self.schedule.latch * SUBSTEP_NS, self._apply_at)
+        self.keeper.receive_lockstep(substep * SUBSTEP_NS, self.schedule.latch * SUBSTEP_NS, self._apply_at)
 
     def _apply_late(self, message: Received) -> None:
         """A command that answers an older sample takes effect at the sub-step at which it arrived."""
@@ -228,23 +228,23 @@ class Plant:
         self.timeline.substep = max(self.timeline.substep, substep)
 
     def _wait(self, substep: int) -> None:
-        """Until a sub-step is due. A plant that overslept its lease cuts before it integrates or writes anything."""
+        """Until a sub-step is due. A plant that overran its lease cuts before it integrates or writes anything."""
         if self._lockstep():
             self.grid.restart_at(substep)
             return
         late_ns = self.grid.wait(substep)
         if self.timeline.tick != NO_TRIAL:
             self.counters.woke(late_ns, shifts=late_ns > SLACK_NS)
-        lease_ns = self.lease.after(late_ns, armed=self.keeper.mailbox.arming != 0)
+        lease_ns = self.lease.after(late_ns, armed=self.keeper.mailbox.arming_id != 0)
         if lease_ns != UNCHOSEN:
             self.keeper.limits = self.keeper.limits._replace(permit_ttl_ns=lease_ns, command_ttl_ns=lease_ns)
             self.device.watchdog(lease_ns // SUBSTEP_NS)
-            self.tell_about()
+            self.publish_description()
         awaits_lockstep = self.schedule.lockstep and self.keeper.gate.state == GateState.SHUT  # RECOVER goes by the wall
         if self.lease.chosen and not awaits_lockstep and late_ns > self.keeper.limits.permit_ttl_ns:
-            self.keeper.judge(self.now_ns(), at_latch=False, overslept=True)
+            self.keeper.judge(self.now_ns(), at_latch=False, overrun=True)
 
-    def _heed_stops(self) -> None:
+    def _serve_stops(self) -> None:
         """An emergency stop waits for the next sample or latch at most; a load, which takes long, for its turn."""
         for request in self.bus.stops():
             answer(self, request)
@@ -254,12 +254,12 @@ class Plant:
         for request in self.bus.requests():
             answer(self, request)
 
-    def tell_about(self) -> None:
+    def publish_description(self) -> None:
         """Describe the machine; a lease of 0 says that none is chosen yet."""
         limits = self.keeper.limits
         if not self.lease.chosen:
             limits = limits._replace(permit_ttl_ns=UNCHOSEN, command_ttl_ns=UNCHOSEN)
-        self.bus.publish("plant/about", about(self.schedule.config, limits))
+        self.bus.publish("plant/description", describe(self.schedule.config, limits))
 
     def status(self) -> dict[str, Any]:
         """What an operator wants to know."""
@@ -271,5 +271,5 @@ class Plant:
             "tick": tick if tick != NO_TRIAL else None,
             "lease_ms": keeper.limits.permit_ttl_ns / 1e6 if self.lease.chosen else None,
             "counters": self.counters.summary(),
-            "heralds": self.heralds.sent,
+            "warm-up frames": self.warmups.sent,
         }

@@ -1,6 +1,6 @@
 """When a trial's samples are due: the first sample is announced in advance, jitter is drawn, ticks are counted."""
 
-from hydrohil.services.plant.config import PlantConfig, bias_ticks, latch_substeps
+from hydrohil.services.plant.config import PlantConfig, latch_substeps, tare_ticks
 from hydrohil.services.plant.noise import sample_intervals
 from hydrohil.shared.contract.envelope import Envelope, faults
 from hydrohil.shared.contract.faults import Fault
@@ -16,7 +16,7 @@ class Schedule:
         self.config, self.envelope = config, envelope
         self.period = config.sample_period_substeps
         self.latch = latch_substeps(config)
-        self.first_tick = -bias_ticks(config)
+        self.first_tick = -tare_ticks(config)
         self.first_sample = NO_COMMAND
         self.ticks = 0
         self.faults: tuple[Fault, ...] = ()  # of the machine

@@ -1,4 +1,4 @@
-"""Heralds: the last sample once more, shortly before the next, so that its way and what answers it have just been used."""
+"""Warm-up frames: the last sample once more, shortly before the next, so that its way and what answers it have just been used."""
 
 import time
 
@@ -8,10 +8,10 @@ from hydrohil.shared.transport.bus import Bus
 
 LEADS_NS = (400_000, 200_000)  # before the sample: the first fetches what was displaced, the second finds it fetched
 SLOW = 6  # an answer is slow that comes after the sixth part of the time until the latch
-REST = 200  # samples without heralds once two answers in a row were slow: processors are short
+REST = 200  # samples without warm-up frames once two answers in a row were slow: processors are short
 
 
-class Heralds:
+class Warmups:
     """Sends them while there is time for it, and while whoever answers keeps up."""
 
     def __init__(self, bus: Bus, grid: Grid, *, wanted: bool) -> None:
@@ -28,10 +28,10 @@ class Heralds:
             instant_ns = self._grid.instant_ns(due) - lead_ns
             if time.monotonic_ns() < instant_ns:
                 sleep_until(instant_ns)
-                self._bus.publish("plant/herald", last, (last.number, last.time_ns))
+                self._bus.publish("plant/warmup", last, (last.number, last.time_ns))
                 self.sent += 1
 
-    def heed(self, after_ns: int, latch_ns: int) -> None:
+    def observe(self, after_ns: int, latch_ns: int) -> None:
         """How long after its sample an answer came; one that was not there at the latch took until then."""
         before, self._slow = self._slow, after_ns * SLOW > latch_ns
         self._resting = REST if self._slow and before else max(0, self._resting - 1)

@@ -7,8 +7,8 @@ import rerun.blueprint as rrb
 
 from hydrohil.services.recorder import scene
 from hydrohil.services.recorder.drawing import ROOT, SAMPLE, TRIAL_TIME
-from hydrohil.services.recorder.state_timeline import lanes
-from hydrohil.shared.contract.messages import ControllerState, Permit, Sample, Truth
+from hydrohil.services.recorder.state_timeline import state_timelines
+from hydrohil.shared.contract.messages import ControllerState, GroundTruth, Permit, Sample
 
 TRAIL_S = 3.0
 LIVE_WINDOW_SAMPLES = 2500  # about 11 s at 222 Hz
@@ -20,7 +20,7 @@ def layout(force_axis: int = scene.DEFAULT_AXIS, live: bool = False) -> rrb.Blue
     """The layout; live it follows the newest sample in a sliding window."""
     timeline = SAMPLE if live else TRIAL_TIME
     left = rrb.Vertical(_arm(timeline, live), _words(live), row_shares=[3, 2])
-    middle = rrb.Vertical(*_thesis(force_axis, live), _lanes(live), row_shares=[3, 3, 3, 2.6])
+    middle = rrb.Vertical(*_thesis(force_axis, live), _state_timelines(live), row_shares=[3, 3, 3, 2.6])
     right = rrb.Vertical(*_behind(live))
     return rrb.Blueprint(
         rrb.Horizontal(left, middle, right, column_shares=[1.0, 1.35, 1.0]),
@@ -90,14 +90,14 @@ def _thesis(force_axis: int, live: bool) -> list[rrb.TimeSeriesView]:
     ]
 
 
-def _lanes(live: bool) -> rrb.Tabs:
+def _state_timelines(live: bool) -> rrb.Tabs:
     """Who allows what, what the law does, what friction does; each lane is written on change only."""
-    tabs = (("Modes", (Permit, Sample)), ("Integral and envelope", (ControllerState,)), ("Friction", (Truth,)))
-    return rrb.Tabs(*(_lane_view(name, messages, live) for name, messages in tabs), active_tab=0)
+    tabs = (("Modes", (Permit, Sample)), ("Integral and envelope", (ControllerState,)), ("Friction", (GroundTruth,)))
+    return rrb.Tabs(*(_state_timeline_view(name, messages, live) for name, messages in tabs), active_tab=0)
 
 
-def _lane_view(name: str, messages: tuple[type, ...], live: bool) -> rrb.StateTimelineView:
-    contents = [f"/{lane.entity}" for message in messages for lane in lanes(message)]
+def _state_timeline_view(name: str, messages: tuple[type, ...], live: bool) -> rrb.StateTimelineView:
+    contents = [f"/{timeline.entity}" for message in messages for timeline in state_timelines(message)]
     return rrb.StateTimelineView(origin="/", contents=contents, name=name, time_view=_time_axis(live))
 
 
@@ -116,7 +116,7 @@ def _behind(live: bool) -> list[Any]:
     )
     pressure = rrb.Tabs(
         _plot("Pressure [MPa]", ["/figure/pressure"], live),
-        _plot("Demand [mA]", ["/figure/demand"], live),
+        _plot("Set current [mA]", ["/figure/set_current"], live),
         _plot("Integral [mA]", ["/figure/integral"], live),
         _plot("Environment [mm]", ["/figure/environment"], live),
         active_tab=0,

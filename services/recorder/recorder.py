@@ -13,7 +13,7 @@ from hydrohil.services.recorder.rows import Rows
 from hydrohil.services.recorder.scene import machine
 from hydrohil.services.recorder.writer import Writer
 from hydrohil.shared.contract.codec import Received, Rejected
-from hydrohil.shared.contract.messages import About
+from hydrohil.shared.contract.messages import PlantDescription
 from hydrohil.shared.host.qualified import UNKNOWN, Standing, plain
 from hydrohil.shared.trips.events import Event, gap_event, is_told, rejected_event
 from hydrohil.shared.trips.formatting import markdown
@@ -86,7 +86,7 @@ class Recorder:
             for message in messages:
                 self._count(message, gaps)
         self._trips.take(*messages)
-        if self._is_writing or isinstance(messages[0].body, About):
+        if self._is_writing or isinstance(messages[0].body, PlantDescription):
             self._writer.take(*messages)
 
     def _count(self, message: Received, gaps: dict[Link, tuple[Received, Counted]]) -> None:
@@ -117,7 +117,7 @@ class Recorder:
         """
         if self._recording is not None:
             self.finish("")
-        axis = machine(self._writer.about).force_axis
+        axis = machine(self._writer.description).force_axis
         recording = Recording(path, title, axis)
         recording.describe("rig", cell=self._cell)
         recording.describe("qualification", **properties(qualified))
@@ -198,7 +198,7 @@ class Recorder:
 
     def _lay_out(self) -> None:
         """The force gauge's axis is known when the plant has described itself; the layout shows that axis."""
-        axis = machine(self._writer.about).force_axis
+        axis = machine(self._writer.description).force_axis
         if self._recording is not None and axis != self._axis:
             self._axis = axis
             self._recording.lay_out(axis)

@@ -17,7 +17,7 @@ class Place(NamedTuple):
     arrival_ns: int  # recorder's monotonic clock
 
 
-class Places:
+class SampleIndex:
     """The last samples by number; bounded."""
 
     def __init__(self, kept: int = KEPT_SAMPLES) -> None:

@@ -8,7 +8,7 @@ from numpy.typing import NDArray
 from hydrohil.services.recorder.rows import Rows, Times, only
 from hydrohil.shared.contract.columns import Matrix
 from hydrohil.shared.contract.converters import UNIMATE_ENCODERS
-from hydrohil.shared.contract.messages import About, Channel
+from hydrohil.shared.contract.messages import Channel, PlantDescription
 
 SCENE_PERIOD_NS = 20_000_000  # 50 poses a second are smooth to the eye
 ARROW_M_PER_N = 0.0015  # 100 N are 0.15 m
@@ -28,11 +28,11 @@ class Machine(NamedTuple):
     force_sign: float = DEFAULT_SIGN
 
 
-def machine(about: About | None) -> Machine:
-    """The machine that `plant/about` describes; the Unimate until it has come."""
-    if about is None:
+def machine(description: PlantDescription | None) -> Machine:
+    """The machine that `plant/description` describes; the Unimate until it has come."""
+    if description is None:
         return Machine()
-    return Machine(about.encoders, about.sample_period_ns, about.force_axis, about.force_sign)
+    return Machine(description.encoders, description.sample_period_ns, description.force_axis, description.force_sign)
 
 
 def shown(times: Times, period_ns: int) -> NDArray[np.bool_]:

@@ -6,7 +6,7 @@ from typing import Any, NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from hydrohil.shared.contract.messages import ControllerState, GateCause, GateState, Mode, Permit, Sample, TripCause, Truth
+from hydrohil.shared.contract.messages import ControllerState, GateCause, GateState, GroundTruth, Mode, Permit, Sample, TripCause
 
 GREY, GREEN, AMBER, RED, BLUE, DIM = 0x6B7280FF, 0x2FA866FF, 0xE0A030FF, 0xD64545FF, 0x3F7FD0FF, 0x30343CFF
 
@@ -18,7 +18,7 @@ class Label(NamedTuple):
     color: int
 
 
-class Lane(NamedTuple):
+class StateTimeline(NamedTuple):
     """One lane: entity, column of the message, label of each number."""
 
     entity: str
@@ -46,23 +46,27 @@ def _flag(on: str, off: str, color: int) -> dict[int, Label]:
 
 _LINKS = ("rotate", "down_up", "out_in")
 _MODES = {Mode.ARMED: BLUE, Mode.RUNNING: GREEN, Mode.TRIPPED: RED, Mode.RECOVER: AMBER}
-_GATES = {GateState.OPEN: GREEN, GateState.BURNED: RED, GateState.RECOVERING: AMBER}
+_GATES = {GateState.OPEN: GREEN, GateState.REVOKED: RED, GateState.RECOVERING: AMBER}
 
-LANES: dict[type, tuple[Lane, ...]] = {
+STATE_TIMELINES: dict[type, tuple[StateTimeline, ...]] = {
     Permit: (
-        Lane("state/1_supervisor", "supervisor", "mode", _named(Mode, {int(k): v for k, v in _MODES.items()}, GREY)),
-        Lane("state/2_trip", "trip", "cause", _named(TripCause, {0: DIM}, RED)),
+        StateTimeline("state/1_supervisor", "supervisor", "mode", _named(Mode, {int(k): v for k, v in _MODES.items()}, GREY)),
+        StateTimeline("state/2_trip", "trip", "cause", _named(TripCause, {0: DIM}, RED)),
     ),
     Sample: (
-        Lane("state/3_gate", "gate", "gate", _named(GateState, {int(k): v for k, v in _GATES.items()}, GREY)),
-        Lane("state/4_gate_cause", "gate cause", "gate_cause", _named(GateCause, {0: DIM}, AMBER)),
+        StateTimeline("state/3_gate", "gate", "gate", _named(GateState, {int(k): v for k, v in _GATES.items()}, GREY)),
+        StateTimeline("state/4_gate_cause", "gate cause", "gate_cause", _named(GateCause, {0: DIM}, AMBER)),
     ),
     ControllerState: (
-        Lane("state/5_envelope", "envelope", "clamped", _flag("clamped", "free", AMBER)),
-        *(Lane(f"state/6_boost_{n}", f"boost {n}", f"boosted[{i}]", _flag("boost", "off", BLUE)) for i, n in enumerate(_LINKS)),
+        StateTimeline("state/5_envelope", "envelope", "clamped", _flag("clamped", "free", AMBER)),
+        *(
+            StateTimeline(f"state/6_boost_{n}", f"boost {n}", f"boosted[{i}]", _flag("boost", "off", BLUE))
+            for i, n in enumerate(_LINKS)
+        ),
     ),
-    Truth: tuple(
-        Lane(f"state/7_stuck_{n}", f"stuck {n}", f"sticking[{i}]", _flag("stuck", "sliding", AMBER)) for i, n in enumerate(_LINKS)
+    GroundTruth: tuple(
+        StateTimeline(f"state/7_stuck_{n}", f"stuck {n}", f"sticking[{i}]", _flag("stuck", "sliding", AMBER))
+        for i, n in enumerate(_LINKS)
     ),
 }
 
@@ -77,6 +81,6 @@ def changes(values: NDArray[np.float64], before: float | None) -> NDArray[np.int
     return np.flatnonzero(changed).astype(np.int64)
 
 
-def lanes(message: Any) -> tuple[Lane, ...]:
+def state_timelines(message: Any) -> tuple[StateTimeline, ...]:
     """Lanes drawn from a message class."""
-    return LANES.get(message, ())
+    return STATE_TIMELINES.get(message, ())

@@ -5,10 +5,10 @@ from typing import NamedTuple
 import numpy as np
 import rerun as rr
 
-from hydrohil.services.recorder.state_timeline import LANES
+from hydrohil.services.recorder.state_timeline import STATE_TIMELINES
 from hydrohil.shared.contract.columns import Figure, figures
 from hydrohil.shared.contract.converters import UNIMATE_CONVERTERS
-from hydrohil.shared.contract.messages import Channel, ControllerState, Permit, Sample, Truth
+from hydrohil.shared.contract.messages import Channel, ControllerState, GroundTruth, Permit, Sample
 
 ROTATE, DOWN_UP, OUT_IN = 0x5B9BFFFF, 0x4FC878FF, 0xFFA24AFF
 MEASURED, MEAN, SET, NOMINAL, LIMIT = 0x4C78A8FF, 0x62D0FFFF, 0xF2F2F2FF, 0x9A8CFFFF, 0xE05050FF
@@ -47,7 +47,7 @@ DRAWN: dict[str, tuple[tuple[int, ...], tuple[float, ...]]] = {
     "figure/error/extension": (LINK_COLORS[2:], (_LINE,)),
     "figure/velocity/angle": ((faded(ROTATE), faded(DOWN_UP), ROTATE, DOWN_UP), (_LINE, _LINE, _LINE, _LINE)),
     "figure/velocity/extension": ((faded(OUT_IN), OUT_IN), (_LINE, _LINE)),
-    "figure/demand": (LINK_COLORS, (_THIN,) * 3),
+    "figure/set_current": (LINK_COLORS, (_THIN,) * 3),
     "figure/integral": (LINK_COLORS, (_LINE,) * 3),
     "figure/valve": (LINK_COLORS, (_LINE,) * 3),
     "figure/pressure": (_PAIRS, (_LINE,) * 6),
@@ -70,7 +70,7 @@ def style_of(figure: Figure) -> Style:
 
 def styles(converters: tuple[Channel, ...] = UNIMATE_CONVERTERS) -> dict[str, Style]:
     """Every figure's style by entity."""
-    every = [figure for message in (Sample, ControllerState, Truth, Permit) for figure in figures(message, converters)]
+    every = [figure for message in (Sample, ControllerState, GroundTruth, Permit) for figure in figures(message, converters)]
     return {figure.entity: style_of(figure) for figure in every} | PLAIN
 
 
@@ -82,10 +82,10 @@ def log_styles(stream: rr.RecordingStream, converters: tuple[Channel, ...] = UNI
             names=style.names, colors=np.array(style.colors, np.uint32), widths=style.widths, interpolation_mode=mode
         )
         stream.log(entity, lines, static=True)
-    for lane in (lane for lanes in LANES.values() for lane in lanes):
-        texts, colors = zip(*((label.text, label.color) for label in lane.labels.values()), strict=True)
+    for timeline in (timeline for state_timelines in STATE_TIMELINES.values() for timeline in state_timelines):
+        texts, colors = zip(*((label.text, label.color) for label in timeline.labels.values()), strict=True)
         stream.log(
-            lane.entity,
+            timeline.entity,
             rr.StateConfiguration(values=list(texts), labels=list(texts), colors=np.array(colors, np.uint32)),
             static=True,
         )

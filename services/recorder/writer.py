@@ -7,21 +7,21 @@ import numpy as np
 
 from hydrohil.services.recorder import scene
 from hydrohil.services.recorder.rows import Rows, Times, alike, only, times_of
-from hydrohil.services.recorder.sample_index import Place, Places, sample_numbers
-from hydrohil.services.recorder.state_timeline import changes, lanes
+from hydrohil.services.recorder.sample_index import Place, SampleIndex, sample_numbers
+from hydrohil.services.recorder.state_timeline import changes, state_timelines
 from hydrohil.shared.contract.codec import Received
 from hydrohil.shared.contract.columns import MS, Matrix, column_names, figure_values, figures, flat_rows
 from hydrohil.shared.contract.converters import UNIMATE_CONVERTERS
 from hydrohil.shared.contract.messages import (
-    About,
     Command,
     ControllerState,
     FaultEvent,
     GateEvent,
     InboxCounts,
+    LinkStats,
     ParameterEvent,
     Permit,
-    Reception,
+    PlantDescription,
     Sample,
 )
 from hydrohil.shared.contract.timeliness import answered_in_time
@@ -31,16 +31,16 @@ from hydrohil.shared.trips.events import (
     fault_event,
     gate_event,
     late_event,
+    link_stats_event,
     parameter_event,
     permit_events,
-    reception_event,
 )
 
 BATCH_ROWS = 1024  # a batch is a chunk of the file, with about 1 kB around it and 2 kB of index in memory; `flush` comes earlier
 COUNT_ROWS = 10  # counters are told once a second; what is counted is in the recorder's answers at once
 ANSWER_LATENCY = "figure/latency/answer"
 # Told in words or as counters; the messages of every other topic are rows, for their arrays have fixed lengths.
-WITHOUT_ROWS = (About, Reception, FaultEvent, ParameterEvent)
+WITHOUT_ROWS = (PlantDescription, LinkStats, FaultEvent, ParameterEvent)
 
 
 class Run(NamedTuple):
@@ -64,10 +64,10 @@ class Writer:
         self._waiting: dict[str, list[Received]] = {}
         self._counters: dict[str, list[tuple[Place, tuple[float, ...]]]] = {}  # rows that wait, by entity
         self._counts: dict[tuple[str, str], InboxCounts] = {}  # receiver and topic: what was told last
-        self._places = Places()
+        self._places = SampleIndex()
         self._plant_epoch: int | None = None
         self._late = 0  # answers in a row that were late or missing, in a trial
-        self.about: About | None = None
+        self.description: PlantDescription | None = None
         self.rows: dict[str, int] = {}
         self.begin()
 
@@ -75,16 +75,16 @@ class Writer:
         """A new recording begins: everything waiting goes out, then names, lanes and modes are told again."""
         self.flush(everything=True)
         self._permit: Permit | None = None
-        self._arming = 0
+        self._arming_id = 0
         self.rows = {}
         self.retell()
 
     def retell(self) -> None:
         """Another file begins: what a reader of it alone must know is told again, with the next rows."""
         self._named: dict[str, tuple[str, ...]] = {}
-        self._lane: dict[tuple[str, bool], float] = {}
-        if self.about is not None:
-            self._describe(self.about)
+        self._timeline: dict[tuple[str, bool], float] = {}
+        if self.description is not None:
+            self._describe(self.description)
 
     def take(self, *messages: Received) -> None:
         """Messages of one topic."""
@@ -101,7 +101,7 @@ class Writer:
             return
         if kind is Permit:
             for message in messages:
-                self._tell_permit(message)
+                self._publish_permit(message)
         self._wait(topic, messages)
 
     def _wait(self, topic: str, messages: Sequence[Received]) -> None:
@@ -145,14 +145,14 @@ class Writer:
     def _tell_rare(self, message: Received) -> None:
         """What is told in words or in counters, not as rows of its topic."""
         body = message.body
-        if isinstance(body, Reception):
-            self._tell_reception(message)
+        if isinstance(body, LinkStats):
+            self._publish_link_stats(message)
         elif isinstance(body, FaultEvent):
             self.tell(fault_event(body, message.header.sender), self._places.at(body.number))
         elif isinstance(body, ParameterEvent):
             self.tell(parameter_event(body), self._places.at(body.number))
-        elif body != self.about:  # the plant repeats it for those who join late
-            self.about = body
+        elif body != self.description:  # the plant repeats it for those who join late
+            self.description = body
             self._describe(body)
 
     def _take_sample(self, message: Received) -> None:
@@ -164,14 +164,16 @@ class Writer:
         if event is not None:
             self.tell(event, place)
 
-    def _describe(self, about: About) -> None:
-        lines = "\n".join(f"| {field} | {value} |" for field, value in about._asdict().items() if not isinstance(value, tuple))
-        channels = [*about.encoders, about.force, *about.converters]
+    def _describe(self, description: PlantDescription) -> None:
+        lines = "\n".join(
+            f"| {field} | {value} |" for field, value in description._asdict().items() if not isinstance(value, tuple)
+        )
+        channels = [*description.encoders, description.force, *description.converters]
         table = "\n".join(
             f"| {c.name} | {c.scale:g} {c.unit} | {c.offset:g} | {c.bits} | {c.low} .. {c.high} |" for c in channels
         )
         heads = f"| | |\n|-|-|\n{lines}", f"| channel | per count | offset | bits | counts |\n|-|-|-|-|-|\n{table}"
-        self._emit(Rows("machine", "document", None, "\n\n".join((f"## {about.machine}", *heads))))
+        self._emit(Rows("machine", "document", None, "\n\n".join((f"## {description.machine}", *heads))))
 
     def _follow_plant(self, epoch: int) -> None:
         if self._plant_epoch is not None and epoch != self._plant_epoch:
@@ -179,15 +181,15 @@ class Writer:
             self._places.clear()  # another plant numbers its samples from its own start
         self._plant_epoch = epoch
 
-    def _tell_permit(self, message: Received) -> None:
+    def _publish_permit(self, message: Received) -> None:
         place = self._places.at(message.header.echo_number)
         for event in permit_events(self._permit, message.body):
             self.tell(event, place)
-        if message.header.arming != self._arming and message.header.arming:
-            self.tell(Event("supervisor", "INFO", f"arming number {message.header.arming}"), place)
-        self._permit, self._arming = message.body, message.header.arming
+        if message.header.arming_id != self._arming_id and message.header.arming_id:
+            self.tell(Event("supervisor", "INFO", f"arming id {message.header.arming_id}"), place)
+        self._permit, self._arming_id = message.body, message.header.arming_id
 
-    def _tell_reception(self, message: Received) -> None:
+    def _publish_link_stats(self, message: Received) -> None:
         """The counts of each inbox as one row, and a line where one grew that should not."""
         place = self._places.at(message.header.echo_number)
         receiver = message.header.sender
@@ -197,7 +199,7 @@ class Writer:
                 self._named[entity] = COUNT_NAMES
                 self._emit(Rows(entity, "names", None, COUNT_NAMES))
             self._count(entity, place, now[1:])
-            event = reception_event(receiver, self._counts.get((receiver, now.topic)), now)
+            event = link_stats_event(receiver, self._counts.get((receiver, now.topic)), now)
             self._counts[receiver, now.topic] = now
             if event is not None:
                 self.tell(event, place)
@@ -227,30 +229,32 @@ class Writer:
             self._emit(Rows(entity, "names", None, names))
         self._emit(Rows(entity, "scalars", times, matrix))
         self.rows[topic] = self.rows.get(topic, 0) + len(run.messages)
-        self._write_lanes(message, names, matrix, times)
-        converters = self.about.converters if self.about else UNIMATE_CONVERTERS
+        self._write_state_timelines(message, names, matrix, times)
+        converters = self.description.converters if self.description else UNIMATE_CONVERTERS
         for figure in figures(message, converters):
             values = figure_values(figure, names, matrix)
             if values is not None:
                 self._emit(Rows(figure.entity, "scalars", times, values))
         self._write_rest(message, run, names, matrix, times)
 
-    def _write_lanes(self, message: type, names: tuple[str, ...], matrix: Matrix, times: Times) -> None:
+    def _write_state_timelines(self, message: type, names: tuple[str, ...], matrix: Matrix, times: Times) -> None:
         in_trial = times.trial_ns is not None
-        for lane in lanes(message):
-            if lane.column not in names:
+        for timeline in state_timelines(message):
+            if timeline.column not in names:
                 continue
-            column = matrix[:, names.index(lane.column)]
-            if lane.column == "clamped":
+            column = matrix[:, names.index(timeline.column)]
+            if timeline.column == "clamped":
                 column = (column != 0).astype(np.float64)
-            at = changes(column, self._lane.get((lane.entity, in_trial)))
-            self._lane = {k: v for k, v in self._lane.items() if k[0] != lane.entity}  # told again where the trial begins
-            self._lane[lane.entity, in_trial] = float(column[-1])
+            at = changes(column, self._timeline.get((timeline.entity, in_trial)))
+            self._timeline = {
+                k: v for k, v in self._timeline.items() if k[0] != timeline.entity
+            }  # told again where the trial begins
+            self._timeline[timeline.entity, in_trial] = float(column[-1])
             if len(at):
-                self._emit(Rows(lane.entity, "state", only(times, at), [lane.text(column[i]) for i in at]))
+                self._emit(Rows(timeline.entity, "state", only(times, at), [timeline.text(column[i]) for i in at]))
 
     def _write_rest(self, message: type, run: Run, names: tuple[str, ...], matrix: Matrix, times: Times) -> None:
-        of: Any = scene.machine(self.about)
+        of: Any = scene.machine(self.description)
         made: list[Rows] = []
         if message is Sample:
             made = scene.joint_rows(names, matrix, times, of)

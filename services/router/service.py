@@ -5,7 +5,7 @@ import sys
 import threading
 
 from hydrohil.shared.host.process import EXIT_OK, EXIT_TRANSPORT, CommandLine, scheduling, with_process_options
-from hydrohil.shared.host.realtime import claim, die_with_parent
+from hydrohil.shared.host.realtime import die_with_parent, request_realtime
 from hydrohil.shared.transport.bus import BusError, router
 from hydrohil.shared.transport.endpoints import ROUTER, address
 
@@ -24,7 +24,7 @@ def main(arguments: list[str] | None = None) -> int:
     if given.with_parent and not die_with_parent(given.with_parent):
         return EXIT_OK
     stop = threading.Event()
-    granted = claim(realtime=not given.no_realtime)
+    granted = request_realtime(realtime=not given.no_realtime)
     try:
         with router(given.listen):
             for number in (signal.SIGINT, signal.SIGTERM, signal.SIGHUP):

@@ -13,11 +13,11 @@ def links_sound(seen: Observed, limits: Limits) -> bool:
 
 @kernel
 def one_publisher(seen: Observed, limits: Limits) -> bool:
-    return seen.transport.rivals <= _rivals_allowed(seen, limits)
+    return seen.transport.epoch_conflicts <= _epoch_conflicts_allowed(seen, limits)
 
 
 @kernel
-def _rivals_allowed(seen: Observed, limits: Limits) -> int:
+def _epoch_conflicts_allowed(seen: Observed, limits: Limits) -> int:
     """At rest a service may start anew; in motion nobody may."""
     return 0 if seen.moving else limits.faults_per_s
 
@@ -43,8 +43,8 @@ LINK_RULES = (
     Rule(
         one_publisher,
         TripCause.TWO_PUBLISHERS,
-        lambda seen, _: float(seen.transport.rivals),
-        lambda seen, limits: float(_rivals_allowed(seen, limits)),
+        lambda seen, _: float(seen.transport.epoch_conflicts),
+        lambda seen, limits: float(_epoch_conflicts_allowed(seen, limits)),
         "there are two plants or two controllers, or one started anew (frames of another epoch in a second)",
     ),
     Rule(

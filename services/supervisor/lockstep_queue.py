@@ -12,9 +12,9 @@ class InStep:
     """Samples that have come and are not due yet."""
 
     def __init__(self, bus: Bus, states: Inbox) -> None:
-        """Nothing waits. A sample that a fault keeps from the controller gets no state; `controller/passed` tells."""
+        """Nothing waits. A sample that a fault keeps from the controller gets no state; `controller/sample_dropped` tells."""
         self._bus, self._states = bus, states
-        self._passed = bus.subscribe("controller/passed")
+        self._passed = bus.subscribe("controller/sample_dropped")
         self.begin()
 
     def begin(self, first_tick: int | None = None) -> None:

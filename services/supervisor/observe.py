@@ -5,10 +5,10 @@ from typing import NamedTuple
 
 from hydrohil.services.supervisor.observe_force import ForceWatch, Push, force_step
 from hydrohil.services.supervisor.observe_motion import Codes, LinkWatch, MotionWatch, Pose, motion_step
-from hydrohil.services.supervisor.rule import Observed, TransportSeen
+from hydrohil.services.supervisor.rule import Observed, TransportObservation
 from hydrohil.shared.compiled.kernel import kernel
 from hydrohil.shared.contract.converters import Calibration
-from hydrohil.shared.contract.deadline_window import Answers, answers_step
+from hydrohil.shared.contract.deadline_window import DeadlineWindow, deadline_window_step
 from hydrohil.shared.contract.messages import NO_COMMAND, NO_TRIAL, Sample
 from hydrohil.shared.contract.pose import UNIMATE_GEOMETRY, forward, joint_positions
 from hydrohil.shared.contract.timeliness import answered_in_time
@@ -19,7 +19,7 @@ class Observing(NamedTuple):
 
     calibration: Calibration
     codes: Codes
-    bias_ticks: int
+    tare_ticks: int
     period_ns: int
     force_axis: int
     force_sign: float
@@ -44,7 +44,7 @@ class Watch(NamedTuple):
     last_tick: int
     last_time_ns: int
     bias: Bias
-    answers: Answers
+    answers: DeadlineWindow
     force: ForceWatch
     motion: MotionWatch
 
@@ -53,7 +53,7 @@ class Links(NamedTuple):
     """What the inboxes have shown."""
 
     faults: int
-    rivals: int
+    epoch_conflicts: int
     other_run: int
     state_lag: int  # samples since the one that the controller's newest state answers
 
@@ -80,33 +80,33 @@ def observe_step(watch: Watch, observing: Observing, sample: Sample, heard: Hear
     tip_m = forward(UNIMATE_GEOMETRY, q_rad, pitch_rad)
     counts = (sample.encoder_counts[0], sample.encoder_counts[1], sample.encoder_counts[2])
     pose = Pose(counts, q_rad, pitch_rad, tip_m)
-    motion, motion_seen = motion_step(watch.motion, observing.codes, pose, sample.dac_counts, follows, dt_ns)
+    motion, observe_motion = motion_step(watch.motion, observing.codes, pose, sample.dac_counts, follows, dt_ns)
     before_m = watch.motion.tip_m if follows else tip_m
     way_m = (tip_m[observing.force_axis] - before_m[observing.force_axis]) * -observing.force_sign
     speed = motion.tip_m_per_s[observing.force_axis]
     push = Push(follows, way_m, speed, dt_ns, bias.mean_n, bias.spread_n)
     raw_n = sample.force_counts * observing.calibration.force_n_per_count
-    force, gauge_seen = force_step(
+    force, observe_gauge = force_step(
         watch.force, push, sample.force_counts, raw_n, observing.quiet_counts, observing.contact_level_n
     )
     in_trial = heard.running and sample.tick != NO_TRIAL
-    answers = Answers(0, 0, 0, 0)
+    answers = DeadlineWindow(0, 0, 0, 0)
     if in_trial and sample.tick > 0:  # from the sample on that tells how that of tick 0 was answered
-        answers = answers_step(watch.answers, lost, answered_in_time(sample)) if came else watch.answers
+        answers = deadline_window_step(watch.answers, lost, answered_in_time(sample)) if came else watch.answers
     seen = Observed(
         (in_trial and sample.tick >= 0) or went_back,
         in_trial and sample.tick >= -1,
         sample.tick,
-        gauge_seen,
-        motion_seen,
-        TransportSeen(
+        observe_gauge,
+        observe_motion,
+        TransportObservation(
             lost,
             heard.stale_ns,
             sample.number - sample.command_number,
             sample.gate,
             heard.ready,
             heard.links.faults,
-            heard.links.rivals,
+            heard.links.epoch_conflicts,
             heard.links.other_run if heard.running else 0,
             heard.links.state_lag,
             answers.missed,
@@ -137,11 +137,11 @@ def _since(watch: Watch, observing: Observing, sample: Sample, follows: bool) ->
 @kernel
 def bias_step(bias: Bias, observing: Observing, sample: Sample) -> Bias:
     """Mean and standard deviation of the force at the negative ticks (thesis 5.1.2)."""
-    if not -observing.bias_ticks <= sample.tick < 0:
+    if not -observing.tare_ticks <= sample.tick < 0:
         return bias
     force_n = sample.force_counts * observing.calibration.force_n_per_count
     total, square, count = force_n, force_n * force_n, 1
-    if sample.tick > -observing.bias_ticks:
+    if sample.tick > -observing.tare_ticks:
         total, square, count = bias.sum_n + total, bias.square_n2 + square, bias.samples + 1
     mean = total / count
     return Bias(mean, math.sqrt(max(0.0, square / count - mean * mean)), total, square, count)
@@ -151,7 +151,9 @@ def bias_step(bias: Bias, observing: Observing, sample: Sample) -> Bias:
 def bias_anew(watch: Watch) -> Watch:
     """A trial begins: the sums of the one before leave no trace, even if its first sample is lost."""
     bias = Bias(watch.bias.mean_n, watch.bias.spread_n, 0.0, 0.0, 0)
-    return Watch(watch.last_number, watch.last_tick, watch.last_time_ns, bias, Answers(0, 0, 0, 0), watch.force, watch.motion)
+    return Watch(
+        watch.last_number, watch.last_tick, watch.last_time_ns, bias, DeadlineWindow(0, 0, 0, 0), watch.force, watch.motion
+    )
 
 
 @kernel
@@ -160,4 +162,4 @@ def watch_start() -> Watch:
     still, link = (0.0, 0.0, 0.0), LinkWatch(0, 0.0, 0)
     motion = MotionWatch(still, 0.0, still, still, still, link, link, link)
     force = ForceWatch(0, 0.0, 0.0, 0.0, 0, 0, 0.0)
-    return Watch(NO_COMMAND, NO_TRIAL, 0, Bias(0.0, 0.0, 0.0, 0.0, 0), Answers(0, 0, 0, 0), force, motion)
+    return Watch(NO_COMMAND, NO_TRIAL, 0, Bias(0.0, 0.0, 0.0, 0.0, 0), DeadlineWindow(0, 0, 0, 0), force, motion)

@@ -3,7 +3,7 @@
 from typing import NamedTuple
 
 from hydrohil.services.supervisor.machine import COUNT_M, GAUGE_N_PER_M, GAUGE_NS_PER_M, LOOSE_M_PER_S, NOISE_N
-from hydrohil.services.supervisor.rule import GaugeSeen
+from hydrohil.services.supervisor.rule import GaugeObservation
 from hydrohil.shared.compiled.kernel import kernel
 
 SMOOTHING_S = 0.02
@@ -41,7 +41,7 @@ def force_begin(counts: int, raw_n: float) -> ForceWatch:
 @kernel
 def force_step(
     watch: ForceWatch, push: Push, counts: int, raw_n: float, quiet_counts: int, level_n: float
-) -> tuple[ForceWatch, GaugeSeen]:
+) -> tuple[ForceWatch, GaugeObservation]:
     """One reading taken in.
 
     smooth   s += (f - s) dt / (tau + dt),  its slope is  (f - s) / tau  after the step
@@ -60,7 +60,7 @@ def force_step(
     energy_j = _energy(watch.energy_j, tared_n, push.way_m)
     explained_n = watch.explained_n + GAUGE_N_PER_M * max(0.0, push.way_m)  # a NaN is no way
     speed = abs(push.speed_m_per_s)
-    seen = GaugeSeen(
+    seen = GaugeObservation(
         counts,
         raw_n,
         raw_n - push.bias_n,

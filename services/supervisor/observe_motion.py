@@ -4,7 +4,7 @@ import math
 from typing import NamedTuple
 
 from hydrohil.services.supervisor.machine import AT_STOP_COUNTS, TRAVEL_HIGH, TRAVEL_LOW
-from hydrohil.services.supervisor.rule import MotionSeen
+from hydrohil.services.supervisor.rule import MotionObservation
 from hydrohil.shared.compiled.kernel import kernel
 from hydrohil.shared.contract.messages import LinkCounts
 from hydrohil.shared.contract.pose import Triple
@@ -109,7 +109,7 @@ def motion_begin(pose: Pose) -> MotionWatch:
 @kernel
 def motion_step(
     watch: MotionWatch, codes: Codes, pose: Pose, dac_counts: LinkCounts, follows: bool, dt_ns: int
-) -> tuple[MotionWatch, MotionSeen]:
+) -> tuple[MotionWatch, MotionObservation]:
     """One set of counters taken in; without a sample before, nothing has moved yet."""
     if not follows:
         watch = motion_begin(pose)
@@ -120,7 +120,7 @@ def motion_step(
     rotate = _link(watch.rotate, codes, dac_counts, pose, 0, dt_ns)
     down_up = _link(watch.down_up, codes, dac_counts, pose, 1, dt_ns)
     out_in = _link(watch.out_in, codes, dac_counts, pose, 2, dt_ns)
-    seen = MotionSeen(
+    seen = MotionObservation(
         q,
         pose.tip_m,
         pose.counts,

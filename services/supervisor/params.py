@@ -17,7 +17,7 @@ from hydrohil.services.supervisor.observe_motion import Codes
 from hydrohil.services.supervisor.rule import Limits
 from hydrohil.services.supervisor.step import SupervisorParams
 from hydrohil.shared.contract.converters import N_PER_FORCE_COUNT, calibration
-from hydrohil.shared.contract.messages import About
+from hydrohil.shared.contract.messages import PlantDescription
 from hydrohil.shared.transport.protection import FAULTS_PER_S
 from hydrohil.shared.units import NS_PER_S
 
@@ -25,15 +25,17 @@ RANDOM_MISSES = 16  # of 100: a link that loses 1 % each way has more in 7e-9 of
 _LEAD_S, _ARMED_S, _RECOVER_S = 0.25, 60.0, 0.3
 
 
-def supervisor_params(config: SupervisorConfig, about: About, bias_ticks: int, duration_ticks: int) -> SupervisorParams:
+def supervisor_params(
+    config: SupervisorConfig, description: PlantDescription, tare_ticks: int, duration_ticks: int
+) -> SupervisorParams:
     """Everything the supervisor's step needs."""
 
     def samples(seconds: float) -> int:
-        return int(seconds * NS_PER_S) // about.sample_period_ns
+        return int(seconds * NS_PER_S) // description.sample_period_ns
 
     return SupervisorParams(
-        limits(config, about),
-        observing(config, about, bias_ticks),
+        limits(config, description),
+        observing(config, description, tare_ticks),
         duration_ticks,
         samples(_LEAD_S),
         samples(_ARMED_S),
@@ -41,20 +43,20 @@ def supervisor_params(config: SupervisorConfig, about: About, bias_ticks: int, d
     )
 
 
-def limits(config: SupervisorConfig, about: About) -> Limits:
+def limits(config: SupervisorConfig, description: PlantDescription) -> Limits:
     """What the rules judge against."""
-    rotate, down_up, out_in, _, pitch = about.encoders
-    lease_samples = about.permit_ttl_ns // about.sample_period_ns
+    rotate, down_up, out_in, _, pitch = description.encoders
+    lease_samples = description.permit_ttl_ns // description.sample_period_ns
     return Limits(
         config,
         0,
         int(GAUGE_RANGE_N / N_PER_FORCE_COUNT),
-        _quiet_samples(about),
+        _quiet_samples(description),
         (rotate.low, down_up.low, out_in.low),
         (rotate.high, down_up.high, out_in.high),
         (abs(rotate.scale), abs(down_up.scale), abs(out_in.scale), abs(pitch.scale)),
         lease_samples,
-        about.permit_ttl_ns,
+        description.permit_ttl_ns,
         FAULTS_PER_S,
         missed_limit(lease_samples),
     )
@@ -65,9 +67,9 @@ def missed_limit(lease_samples: int) -> int:
     return lease_samples + 1 + RANDOM_MISSES
 
 
-def observing(config: SupervisorConfig, about: About, bias_ticks: int) -> Observing:
+def observing(config: SupervisorConfig, description: PlantDescription, tare_ticks: int) -> Observing:
     """What the windows are computed with."""
-    rotate, down_up, out_in = about.converters
+    rotate, down_up, out_in = description.converters
     codes = Codes(
         (
             math.floor((-MOVES_DOWN_A[0] - rotate.offset) / rotate.scale),
@@ -79,25 +81,25 @@ def observing(config: SupervisorConfig, about: About, bias_ticks: int) -> Observ
             math.ceil((MOVES_UP_A[1] - down_up.offset) / down_up.scale),
             math.ceil((MOVES_UP_A[2] - out_in.offset) / out_in.scale),
         ),
-        (abs(about.encoders[0].scale), abs(about.encoders[1].scale), abs(about.encoders[2].scale)),
+        (abs(description.encoders[0].scale), abs(description.encoders[1].scale), abs(description.encoders[2].scale)),
     )
     return Observing(
-        calibration(about.encoders, about.force),
+        calibration(description.encoders, description.force),
         codes,
-        bias_ticks,
-        about.sample_period_ns,
-        about.force_axis,
-        about.force_sign,
-        QUIET_COUNTS if _quiet_samples(about) >= FEWEST_QUIET else 0,
+        tare_ticks,
+        description.sample_period_ns,
+        description.force_axis,
+        description.force_sign,
+        QUIET_COUNTS if _quiet_samples(description) >= FEWEST_QUIET else 0,
         config.contact_level_n,
     )
 
 
-def _quiet_samples(about: About) -> int:
+def _quiet_samples(description: PlantDescription) -> int:
     """Samples in 100 ms; where they are few, only a reading that repeats itself counts as quiet (8 % of its neighbours)."""
-    return QUIET_NS // about.sample_period_ns
+    return QUIET_NS // description.sample_period_ns
 
 
-def below_gate(config: SupervisorConfig, about: About) -> bool:
+def below_gate(config: SupervisorConfig, description: PlantDescription) -> bool:
     """Whether the supervisor's limit, bias and noise together stay below the gate's own limit."""
-    return config.force_limit_n + config.bias_limit_n + NOISE_N < about.gate_force_limit_n
+    return config.force_limit_n + config.bias_limit_n + NOISE_N < description.gate_force_limit_n

@@ -6,7 +6,7 @@ from hydrohil.services.supervisor.config import SupervisorConfig
 from hydrohil.services.supervisor.params import below_gate
 from hydrohil.shared.contract.codec import Header
 from hydrohil.shared.contract.envelope import Envelope
-from hydrohil.shared.contract.messages import About
+from hydrohil.shared.contract.messages import PlantDescription
 from hydrohil.shared.transport.bus import Run, same_run
 
 
@@ -15,25 +15,25 @@ class Declared(NamedTuple):
 
     envelope: Envelope | None
     config: SupervisorConfig
-    about: About | None
+    description: PlantDescription | None
     run: Run
     plant: Header  # of the sample that is judged
     controller: Header | None  # of its newest state
-    beyond_signed: str  # why the rate is above what this host is signed for, "" if it is not
+    beyond_qualified: str  # why the rate is above what this host is qualified for, "" if it is not
 
 
-def disagreement(declared: Declared) -> str:
+def prearm_problem(declared: Declared) -> str:
     """Which condition does not hold and what to do, in one line; "" if all agree."""
-    envelope, config, about, run, plant, controller, beyond_signed = declared
+    envelope, config, description, run, plant, controller, beyond_qualified = declared
     if envelope is None:
         return "no experiment is loaded (`hydrohil run NAME` loads one)"
     if controller is None:
         return "no controller has answered a sample: start it (`hydrohil controller`)"
-    if about is None or not about.permit_ttl_ns > 0:
+    if description is None or not description.permit_ttl_ns > 0:
         return "the plant still measures this host to choose its lease: wait two seconds"
-    if not below_gate(config, about):
-        return f"force limit, bias and noise do not stay below the gate's {about.gate_force_limit_n:g} N"
+    if not below_gate(config, description):
+        return f"force limit, bias and noise do not stay below the gate's {description.gate_force_limit_n:g} N"
     for name, header in (("plant", plant), ("controller", controller)):
         if not same_run(header, run):
             return f"the {name} has another experiment or run loaded: load again"
-    return beyond_signed
+    return beyond_qualified

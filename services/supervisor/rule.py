@@ -8,7 +8,7 @@ from hydrohil.shared.contract.messages import TripCause
 from hydrohil.shared.contract.pose import Triple
 
 
-class GaugeSeen(NamedTuple):
+class GaugeObservation(NamedTuple):
     """The force gauge."""
 
     force_counts: int
@@ -27,7 +27,7 @@ class GaugeSeen(NamedTuple):
     energy_j: float  # put into the environment by this contact
 
 
-class MotionSeen(NamedTuple):
+class MotionObservation(NamedTuple):
     """Joints and tip; link 3 in m."""
 
     q_rad: Triple
@@ -41,7 +41,7 @@ class MotionSeen(NamedTuple):
     against: Triple  # way against such a current
 
 
-class TransportSeen(NamedTuple):
+class TransportObservation(NamedTuple):
     """Messages and those who send them."""
 
     lost_samples: int  # between this sample and the one before
@@ -50,7 +50,7 @@ class TransportSeen(NamedTuple):
     gate: int
     ready: bool  # the controller says so
     link_faults: int  # CRC and sequence faults of the last second under a bound identity, of the worst link
-    rivals: int  # frames of the last second by which a bound sender has another epoch, of the worst link
+    epoch_conflicts: int  # frames of the last second by which a bound sender has another epoch, of the worst link
     other_run: int  # frames since the last verdict that belong to another run or experiment than a running permit
     state_lag: int  # samples since the one that the controller's newest state answers
     missed: int  # of the last 100 samples, those that were not answered in time
@@ -62,9 +62,9 @@ class Observed(NamedTuple):
     moving: bool  # a trial runs and its tick is 0 or later, or its samples went back
     starting: bool  # a trial runs and its tick is -1 or later: what must hold before motion starts
     tick: int
-    gauge: GaugeSeen
-    motion: MotionSeen
-    transport: TransportSeen
+    gauge: GaugeObservation
+    motion: MotionObservation
+    transport: TransportObservation
 
 
 class Limits(NamedTuple):

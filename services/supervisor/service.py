@@ -11,24 +11,24 @@ from hydrohil.services.supervisor.lockstep_queue import InStep
 from hydrohil.services.supervisor.modes import DISARMED, TRIPPED, Event
 from hydrohil.services.supervisor.observe import Links
 from hydrohil.services.supervisor.params import supervisor_params
-from hydrohil.services.supervisor.prearm_checks import Declared, disagreement
+from hydrohil.services.supervisor.prearm_checks import Declared, prearm_problem
 from hydrohil.services.supervisor.rules import trip_words
 from hydrohil.services.supervisor.step import Asked, SupervisorMemory, supervisor_step
 from hydrohil.shared.contract.codec import Received
 from hydrohil.shared.contract.deadline_window import quality
 from hydrohil.shared.contract.envelope import Envelope, section, unseal
-from hydrohil.shared.contract.messages import NO_COMMAND, About, Mode, Passed, Permit, TripCause
+from hydrohil.shared.contract.messages import NO_COMMAND, Mode, Permit, PlantDescription, SampleDropped, TripCause
 from hydrohil.shared.contract.timeliness import LATE_IN_A_ROW
 from hydrohil.shared.host.process import draw_number, options_of, parser, serve
 from hydrohil.shared.host.qualified import UNKNOWN, Standing, beyond, plain, standing
-from hydrohil.shared.host.realtime import follow, is_fifo, unhurried
+from hydrohil.shared.host.realtime import is_fifo, set_scheduling, without_realtime
 from hydrohil.shared.transport.bus import Bus, Run, same_run
 from hydrohil.shared.transport.impairment_queue import Passage
-from hydrohil.shared.transport.link_stats import due, reception, told
+from hydrohil.shared.transport.link_stats import due, link_stats, told
 from hydrohil.shared.transport.live_faults import LiveFaults
 from hydrohil.shared.transport.protection import worst
 from hydrohil.shared.transport.requests import Request
-from hydrohil.shared.transport.step_lock import Turns
+from hydrohil.shared.transport.step_lock import StepLock
 from hydrohil.shared.units import NS_PER_S
 
 _IDLE_WAKE_S = 0.1
@@ -61,16 +61,16 @@ class Supervisor:
         """Disarmed. `qualification` reads what is on record of this host."""
         self.bus, self.faults = bus, LiveFaults(bus)
         self._qualification, self.qualification = qualification, qualification()
-        self.samples, self.abouts = bus.subscribe("plant/sample"), bus.subscribe("plant/about")
+        self.samples, self.descriptions = bus.subscribe("plant/sample"), bus.subscribe("plant/description")
         self.states = bus.subscribe("controller/state")
-        self._inboxes = (self.samples, self.states, self.abouts)
-        self._in_step = InStep(bus, self.states)
+        self._inboxes = (self.samples, self.states, self.descriptions)
+        self._lockstep_queue = InStep(bus, self.states)
         self.memory = SupervisorMemory()
-        self.about: About | None = None
+        self.description: PlantDescription | None = None
         self.envelope: Envelope | None = None
         self.config = SupervisorConfig()
         self.pending: tuple[Envelope, SupervisorConfig, bool] | None = None
-        self.unqualified = False  # the operator wants this run above the signed rate
+        self.unqualified = False  # the operator wants this run above the qualified rate
         self.asked: list[tuple[Event, Request]] = []
         self.sample: Received | None = None
         self.controller: Received | None = None
@@ -80,7 +80,7 @@ class Supervisor:
 
     def run(self, stopped: Callable[[], bool]) -> None:
         """Until told to stop: samples are judged where they arrive, their absence and requests here."""
-        turns = Turns(self.step)
+        turns = StepLock(self.step)
         self.bus.attend(turns)
         while not stopped():
             self.bus.wait(self._patience_s())
@@ -94,12 +94,12 @@ class Supervisor:
 
     def step(self) -> None:
         """Judge everything that has come, or that nothing has."""
-        for message in self.abouts.take():
+        for message in self.descriptions.take():
             self._learn(message.body)
         for message in self.states.take():
             self.controller = message
             self.states.acceptance.other_run += not same_run(message.header, self.bus.run)
-        messages, passages = self._in_step.due(self.samples.take()), self.samples.passages()
+        messages, passages = self._lockstep_queue.due(self.samples.take()), self.samples.passages()
         for passage in passages:
             self._judge_silence(passage)
         for message in messages:
@@ -113,59 +113,59 @@ class Supervisor:
 
     def _patience_s(self) -> float:
         """How long until the absence of a sample is judged, if none comes."""
-        if self.about is None or self.sample is None:
+        if self.description is None or self.sample is None:
             return _IDLE_WAKE_S
-        left_s = (self.sample.arrival_ns + self.about.permit_ttl_ns - time.monotonic_ns()) / NS_PER_S
+        left_s = (self.sample.arrival_ns + self.description.permit_ttl_ns - time.monotonic_ns()) / NS_PER_S
         return min(left_s, _IDLE_WAKE_S) if left_s >= 0.0 else _IDLE_WAKE_S
 
-    def _learn(self, about: About) -> None:
-        if about != self.about:
-            self.about = about
+    def _learn(self, description: PlantDescription) -> None:
+        if description != self.description:
+            self.description = description
             self._prepare()
 
     def _prepare(self) -> None:
-        if self.about is not None:
-            bias, duration = (0, 0) if self.envelope is None else (self.envelope.bias_ticks, self.envelope.duration_ticks)
-            self.params = supervisor_params(self.config, self.about, bias, duration)
+        if self.description is not None:
+            bias, duration = (0, 0) if self.envelope is None else (self.envelope.tare_ticks, self.envelope.duration_ticks)
+            self.params = supervisor_params(self.config, self.description, bias, duration)
 
     def _judge_absence(self) -> None:
         """Wall time without a sample is a cause to trip; in lockstep, where the plant waits, only after it has given up."""
-        if self.sample is None or self.about is None:
+        if self.sample is None or self.description is None:
             return
         if self.memory.mode == DISARMED and not self.asked:  # a request must be answered now, not when the plant returns
             return
         stale_ns = time.monotonic_ns() - self.sample.arrival_ns
-        if stale_ns > (_LOCKSTEP_SILENCE_NS if self._lockstep else self.about.permit_ttl_ns):
+        if stale_ns > (_LOCKSTEP_SILENCE_NS if self._lockstep else self.description.permit_ttl_ns):
             self._judge(self.sample, stale_ns)
 
     def _judge_silence(self, passage: Passage) -> None:
         """In lockstep simulated time without a sample is the same cause, where a fault takes or delays them."""
-        if self.sample is not None and self.about is not None and passage.silence_ns > self.about.permit_ttl_ns:
+        if self.sample is not None and self.description is not None and passage.silence_ns > self.description.permit_ttl_ns:
             self._judge(self.sample, passage.silence_ns)
 
     def _tell(self, passage: Passage) -> None:
         """Lockstep: the plant need not wait for the verdict on a sample that a fault took."""
         if not passage.taken:
-            self.bus.publish("supervisor/passed", Passed(passage.number), (passage.number, passage.time_ns))
+            self.bus.publish("supervisor/sample_dropped", SampleDropped(passage.number), (passage.number, passage.time_ns))
 
     def _judge(self, message: Received, stale_ns: int) -> None:
         """Step once with the oldest request, publish the permit, answer the request."""
-        if self.about is None:
+        if self.description is None:
             return
         self.faults.spend()
         event, request = self.asked.pop(0) if self.asked else (Event.NOTHING, None)
         ready = self.controller is not None and self.controller.body.ready == 1
-        asked = Asked(int(event), self._drawn, self._disagreement(message) == "", ready, stale_ns, self._links(message))
+        asked = Asked(int(event), self._drawn, self._prearm_problem(message) == "", ready, stale_ns, self._links(message))
         before = self.memory
         self.memory, self.permit = supervisor_step(self.memory, self.params, message.body, asked)
-        if self.memory.arming not in (0, before.arming):
+        if self.memory.arming_id not in (0, before.arming_id):
             self._drawn = draw_number()
-        self.bus.run = self.bus.run._replace(arming=self.memory.arming)
+        self.bus.run = self.bus.run._replace(arming_id=self.memory.arming_id)
         echo = (message.body.number, message.body.time_ns)
         self.bus.publish("supervisor/permit", self.permit, echo)
         trips = self.memory.mode == TRIPPED and before.mode != TRIPPED
-        if trips or (stale_ns == 0 and due(message.body.number, self.about.sample_period_ns)):
-            self.bus.publish("supervisor/reception", reception(message.body.number, self._inboxes), echo)
+        if trips or (stale_ns == 0 and due(message.body.number, self.description.sample_period_ns)):
+            self.bus.publish("supervisor/link_stats", link_stats(message.body.number, self._inboxes), echo)
         if request is not None:
             self._reply(event, request, message)
         if event == Event.RESET:
@@ -185,23 +185,31 @@ class Supervisor:
         others = sum(inbox.acceptance.other_run for inbox in self._inboxes)
         before, self._others = self._others, others
         answered = NO_COMMAND if self.controller is None else self.controller.header.echo_number
-        return Links(seen.faults, seen.rivals, others - before, message.body.number - answered)
+        return Links(seen.faults, seen.epoch_conflicts, others - before, message.body.number - answered)
 
     @property
     def _lockstep(self) -> bool:
         return self.envelope is not None and self.envelope.clock == "lockstep"
 
-    def _disagreement(self, message: Received) -> str:
+    def _prearm_problem(self, message: Received) -> str:
         """Why the services do not agree, "" if they do."""
         controller = None if self.controller is None else self.controller.header
-        declared = (self.envelope, self.config, self.about, self.bus.run, message.header, controller, self._beyond_signed())
-        return disagreement(Declared(*declared))
+        declared = (
+            self.envelope,
+            self.config,
+            self.description,
+            self.bus.run,
+            message.header,
+            controller,
+            self._beyond_qualified(),
+        )
+        return prearm_problem(Declared(*declared))
 
-    def _beyond_signed(self) -> str:
-        """Why the loaded rate is above what this host is signed for; "" where it is not, or time does not pass by the wall."""
-        if self.about is None or self._lockstep or self.unqualified:
+    def _beyond_qualified(self) -> str:
+        """Why the loaded rate is above what this host is qualified for; "" where it is not, or time does not pass by the wall."""
+        if self.description is None or self._lockstep or self.unqualified:
             return ""
-        return beyond(self.qualification.qualified, self.about.sample_period_ns)
+        return beyond(self.qualification.qualified, self.description.sample_period_ns)
 
     def _reply(self, event: Event, request: Request, message: Received) -> None:
         mode = Mode(self.memory.mode)
@@ -214,12 +222,12 @@ class Supervisor:
             return "the emergency stop is pressed; when the reason is gone: `hydrohil reset` (it releases gate and supervisor)"
         if self.memory.mode == TRIPPED:
             return f"{self.trip_words()}; the cause must be gone, then `hydrohil reset`"
-        return self._disagreement(message) or "see `hydrohil status`"
+        return self._prearm_problem(message) or "see `hydrohil status`"
 
     def _warnings(self) -> list[str]:
         """What is borne, and should be known: the lease decides when it is not borne any more."""
         late = self.memory.watch.answers.in_a_row
-        if late <= LATE_IN_A_ROW or self.about is None:
+        if late <= LATE_IN_A_ROW or self.description is None:
             return []
         return [f"{late} answers in a row were late or missing; the lease bears {self.params.limits.lease_samples}"]
 
@@ -243,7 +251,7 @@ class Supervisor:
 
     def _queue(self, request: Request) -> None:
         """Events act at the next sample; an emergency stop does not wait for one."""
-        if self.about is None or self.sample is None:
+        if self.description is None or self.sample is None:
             return request.refuse("no sample has come from the plant yet: start it (`hydrohil plant`)")
         if request.verb != "estop" and len(self.asked) >= _MOST_ASKED:
             return request.refuse(f"{_MOST_ASKED} requests wait already, and one acts a sample: ask again")
@@ -257,7 +265,7 @@ class Supervisor:
         if self.memory.mode != DISARMED:
             return request.refuse(f"the mode is {Mode(self.memory.mode).name}: stop or reset first")
         try:
-            with unhurried():
+            with without_realtime():
                 envelope = unseal(str(request.arguments.get("envelope")))
                 config = section(envelope, "supervisor", SupervisorConfig)
             self.faults.loaded(envelope)
@@ -278,12 +286,12 @@ class Supervisor:
         except ValueError as error:
             return request.refuse(str(error))
         self.envelope, self.config, self.unqualified = envelope, config, unqualified
-        self._in_step.begin(-envelope.bias_ticks if self._lockstep else None)
+        self._lockstep_queue.begin(-envelope.tare_ticks if self._lockstep else None)
         self._prepare()
         self.bus.run = Run(envelope.run, envelope.digest, 0)
         self.bus.impair(conditions)
         self.bus.waits_for_room = envelope.clock == "lockstep"
-        follow(envelope.clock)
+        set_scheduling(envelope.clock)
         gc.collect()
         return request.reply({"digest": envelope.digest.hex()})
 
@@ -298,13 +306,13 @@ class Supervisor:
         return {
             "pid": os.getpid(),
             "injected": self.faults.acting(),
-            "ready": self.about is not None and self.sample is not None and self.controller is not None,
+            "ready": self.description is not None and self.sample is not None and self.controller is not None,
             "mode": Mode(self.memory.mode).name,
             "cause": TripCause(self.memory.cause).name,
             "words": self.trip_words() if self.memory.cause else "",
             "measured": self.memory.measured,
             "limit": self.memory.limit,
-            "arming": self.memory.arming,
+            "arming_id": self.memory.arming_id,
             "force_bias_n": self.memory.watch.bias.mean_n,
             "experiment": self.bus.run.experiment.hex(),
             "run": self.bus.run.run,
@@ -312,7 +320,7 @@ class Supervisor:
             "warnings": self._warnings(),
             "qualification": plain(self.qualification),
             "qualified": self.qualification.words,
-            "reception": told(self._inboxes),
+            "link_stats": told(self._inboxes),
         }
 
 

@@ -31,7 +31,7 @@ class Asked(NamedTuple):
     """What has come besides the sample."""
 
     event: int
-    new_arming: int  # a number drawn for this step, used if it arms
+    new_arming_id: int  # a number drawn for this step, used if it arms
     agreed: bool  # all services report this experiment, run and version, and the gate's limit stands above
     controller_ready: bool
     stale_ns: int  # 0 when a sample came; otherwise wall time since the last
@@ -42,7 +42,7 @@ class SupervisorMemory(NamedTuple):
     """State of the supervisor."""
 
     mode: int = DISARMED
-    arming: int = 0
+    arming_id: int = 0
     cause: int = 0
     measured: float = 0.0  # what tripped
     limit: float = 0.0
@@ -69,7 +69,7 @@ def supervisor_step(
         asked.agreed,
         _can_recover(memory, params, seen, broken),
         sample.number < memory.held_until or asked.event == HOLD_RECOVER,
-        memory.mode == RUNNING and sample.number >= memory.first_sample + params.observing.bias_ticks + params.duration_ticks,
+        memory.mode == RUNNING and sample.number >= memory.first_sample + params.observing.tare_ticks + params.duration_ticks,
         memory.mode == ARMED and sample.number - memory.armed_at > params.armed_samples,
     )
     mode = next_mode(memory.mode, asked.event, facts)
@@ -117,22 +117,22 @@ def _enter(
     mode: int,
     watch: Watch,
 ) -> SupervisorMemory:
-    """Memory after the change of mode: arming numbers are drawn on entering, a trip latches its cause."""
-    arming, cause, trip_number = memory.arming, memory.cause, memory.trip_number
+    """Memory after the change of mode: arming ids are drawn on entering, a trip latches its cause."""
+    arming_id, cause, trip_number = memory.arming_id, memory.cause, memory.trip_number
     measured, limit = memory.measured, memory.limit
     first_sample, armed_at, held_until = memory.first_sample, memory.armed_at, memory.held_until
     signs = memory.recover_signs
     stopped = sample.gate_cause == _GATE_STOPPED or asked.event == ESTOP_EVENT
     if mode == DISARMED:
-        arming, cause, trip_number, first_sample, signs = 0, 0, NO_COMMAND, NO_COMMAND, _NO_SIGNS
+        arming_id, cause, trip_number, first_sample, signs = 0, 0, NO_COMMAND, NO_COMMAND, _NO_SIGNS
         measured, limit = 0.0, 0.0
     if mode == ARMED and memory.mode != ARMED:
-        arming, armed_at = asked.new_arming, sample.number
+        arming_id, armed_at = asked.new_arming_id, sample.number
     if mode == RUNNING and memory.mode != RUNNING:
         first_sample = sample.number + params.lead_samples
         watch = bias_anew(watch)
     if mode == TRIPPED and memory.mode != TRIPPED:
-        arming, first_sample = 0, NO_COMMAND
+        arming_id, first_sample = 0, NO_COMMAND
         if memory.mode != RECOVER or _on_top(memory, params, seen, broken[0]):
             cause, measured, limit = broken
             if stopped:
@@ -140,7 +140,7 @@ def _enter(
             trip_number, signs = sample.number, _unloading(params, seen, cause)
     if mode == RECOVER:
         if memory.mode != RECOVER:
-            arming = asked.new_arming
+            arming_id = asked.new_arming_id
             if _elsewhere(memory, params, seen, broken[0]):
                 cause, measured, limit = broken
                 trip_number, signs = sample.number, _unloading(params, seen, cause)
@@ -149,7 +149,7 @@ def _enter(
     pressed = stopped or (memory.pressed and asked.event != RESET)
     return SupervisorMemory(
         mode,
-        arming,
+        arming_id,
         cause,
         measured,
         limit,
@@ -201,7 +201,7 @@ def _permit(memory: SupervisorMemory, params: SupervisorParams) -> Permit:
         memory.trip_number,
         memory.first_sample,
         params.duration_ticks,
-        params.observing.bias_ticks,
+        params.observing.tare_ticks,
         signs,
         params.limits.config.force_limit_n,
         memory.watch.bias.mean_n,

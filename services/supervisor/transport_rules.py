@@ -4,7 +4,7 @@ from hydrohil.services.supervisor.rule import Limits, Observed, Rule
 from hydrohil.shared.compiled.kernel import kernel
 from hydrohil.shared.contract.messages import GateState, TripCause
 
-_OPEN, _BURNED = int(GateState.OPEN), int(GateState.BURNED)
+_OPEN, _REVOKED = int(GateState.OPEN), int(GateState.REVOKED)
 
 
 @kernel
@@ -29,7 +29,7 @@ def controller_heard(seen: Observed, limits: Limits) -> bool:
 
 @kernel
 def gate_holds(seen: Observed, limits: Limits) -> bool:
-    return not seen.moving or seen.transport.gate != _BURNED
+    return not seen.moving or seen.transport.gate != _REVOKED
 
 
 @kernel

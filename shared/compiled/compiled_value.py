@@ -15,14 +15,14 @@ class _Type(numba.types.StructRef):  # type: ignore[misc]
     """What the compiler knows of it."""
 
 
-class Resident(structref.StructRefProxy):  # type: ignore[misc]
+class CompiledValue(structref.StructRefProxy):  # type: ignore[misc]
     """One value, such as a tuple of parameters; compiled code reads it as `value`."""
 
 
-structref.define_proxy(Resident, _Type, ["value"])
+structref.define_proxy(CompiledValue, _Type, ["value"])
 
 
 @numba.njit(cache=True)  # type: ignore[untyped-decorator]
 def resident(value: Any) -> Any:
     """Convert `value` once."""
-    return Resident(value)
+    return CompiledValue(value)

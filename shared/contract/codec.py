@@ -37,7 +37,7 @@ class Header(NamedTuple):
     experiment: bytes  # SHA-256 over the experiment as sent; empty before a load
     sender: str
     epoch: int  # drawn when the sender started or was reset
-    arming: int  # 0 = none
+    arming_id: int  # 0 = none
     seq: int
     echo_number: int  # sample that this answers or judges
     echo_time_ns: int

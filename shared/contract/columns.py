@@ -12,7 +12,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from hydrohil.shared.contract.converters import UNIMATE_CONVERTERS
-from hydrohil.shared.contract.messages import Channel, Command, ControllerState, GateEvent, Permit, Sample, Truth
+from hydrohil.shared.contract.messages import Channel, Command, ControllerState, GateEvent, GroundTruth, Permit, Sample
 from hydrohil.shared.units import A_PER_MA, RAD_PER_DEG
 
 Matrix = NDArray[np.float64]
@@ -103,11 +103,11 @@ STATE_FIGURES = (
         "figure/velocity/extension",
         _links("qd_set_rad_per_s", MM, EXTENSION, label=" set") + _links("qd_rad_per_s", MM, EXTENSION),
     ),
-    Figure("figure/demand", _links("current_a", MA), stepped=True),
+    Figure("figure/set_current", _links("current_a", MA), stepped=True),
     Figure("figure/integral", _links("integral_a", MA)),
     Figure("figure/latency/compute", (Curve("controller computes", "compute_ns", MS),)),
 )
-TRUTH_FIGURES = (
+GROUND_TRUTH_FIGURES = (
     Figure("figure/contact_force", (Curve("contact, true", "contact_force_n"),)),
     Figure(
         "figure/pressure",
@@ -135,5 +135,11 @@ def sample_figures(converters: tuple[Channel, ...] = UNIMATE_CONVERTERS) -> tupl
 
 def figures(message: type, converters: tuple[Channel, ...] = UNIMATE_CONVERTERS) -> tuple[Figure, ...]:
     """Figures drawn from a message."""
-    fixed = {ControllerState: STATE_FIGURES, Truth: TRUTH_FIGURES, Permit: PERMIT_FIGURES, GateEvent: (), Command: ()}
+    fixed = {
+        ControllerState: STATE_FIGURES,
+        GroundTruth: GROUND_TRUTH_FIGURES,
+        Permit: PERMIT_FIGURES,
+        GateEvent: (),
+        Command: (),
+    }
     return sample_figures(converters) if message is Sample else fixed.get(message, ())

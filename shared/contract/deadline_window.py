@@ -9,7 +9,7 @@ _HALF = 50
 _FULL = 1 << _HALF
 
 
-class Answers(NamedTuple):
+class DeadlineWindow(NamedTuple):
     """The window, newest bit lowest; 1 = not answered in time."""
 
     newer: int = 0
@@ -19,7 +19,7 @@ class Answers(NamedTuple):
 
 
 @kernel
-def answers_step(answers: Answers, lost: int, in_time: bool) -> Answers:
+def deadline_window_step(answers: DeadlineWindow, lost: int, in_time: bool) -> DeadlineWindow:
     """One sample more, and the `lost` ones before it, of which nobody can say that they were answered."""
     for _ in range(min(lost, WINDOW)):
         answers = _shift(answers, 1)
@@ -27,10 +27,10 @@ def answers_step(answers: Answers, lost: int, in_time: bool) -> Answers:
 
 
 @kernel
-def _shift(answers: Answers, missed: int) -> Answers:
+def _shift(answers: DeadlineWindow, missed: int) -> DeadlineWindow:
     leaving = (answers.older >> (_HALF - 1)) & 1
     carried = (answers.newer >> (_HALF - 1)) & 1
-    return Answers(
+    return DeadlineWindow(
         (answers.newer << 1) % _FULL + missed,
         (answers.older << 1) % _FULL + carried,
         answers.missed + missed - leaving,

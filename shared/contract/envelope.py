@@ -12,7 +12,7 @@ from hydrohil.shared.units import SUBSTEP_NS
 
 CLOCKS = ("real", "lockstep")
 PERIOD_SUBSTEPS = 90  # the plant's default, for a load that does not say
-_LARGEST = {"run": 2**63 - 1, "seed": 2**64 - 1, "bias_ticks": 10_000, "duration_ticks": 3_600_000}  # 10 s and 1 h at 1 kHz
+_LARGEST = {"run": 2**63 - 1, "seed": 2**64 - 1, "tare_ticks": 10_000, "duration_ticks": 3_600_000}  # 10 s and 1 h at 1 kHz
 
 
 class Envelope(NamedTuple):
@@ -22,19 +22,19 @@ class Envelope(NamedTuple):
     run: int
     seed: int
     clock: str
-    bias_ticks: int
+    tare_ticks: int
     duration_ticks: int
     experiment: dict[str, Any]
 
 
-def seal(experiment: dict[str, Any], *, run: int, seed: int, clock: str, bias_ticks: int, duration_ticks: int) -> str:
+def seal(experiment: dict[str, Any], *, run: int, seed: int, clock: str, tare_ticks: int, duration_ticks: int) -> str:
     """The text that is sent and hashed."""
     return json.dumps(
         {
             "run": run,
             "seed": seed,
             "clock": clock,
-            "bias_ticks": bias_ticks,
+            "tare_ticks": tare_ticks,
             "duration_ticks": duration_ticks,
             "experiment": experiment,
         },
@@ -78,7 +78,7 @@ def faults(envelope: Envelope, *groups: Group) -> tuple[Fault, ...]:
     """The experiment's faults of these groups; raises ValueError with one line if any fault cannot be played on its clock."""
     written = envelope.experiment.get("faults", [])
     every: tuple[Fault, ...] = checked(written, "faults", tuple[Fault, ...])
-    ticks = (-envelope.bias_ticks, envelope.duration_ticks)
+    ticks = (-envelope.tare_ticks, envelope.duration_ticks)
     if found := trial_problems(written, every, period_substeps(envelope) * SUBSTEP_NS, ticks, envelope.clock):
         raise ValueError(found[0])
     return of_group(every, *groups)

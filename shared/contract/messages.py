@@ -25,7 +25,7 @@ class GateState(IntEnum):
 
     SHUT = 0
     OPEN = 1
-    BURNED = 2  # shut by a cut: never opens again on this arming
+    REVOKED = 2  # shut by a cut: never opens again on this arming
     RECOVERING = 3  # only the unloading sign, at low current
 
 
@@ -35,7 +35,7 @@ class GateCause(IntEnum):
     NONE = 0
     NO_PERMIT = 1
     NOT_RUNNING = 2
-    BURNED_ARMING = 3
+    REVOKED_ARMING = 3
     PERMIT_STALE = 4
     NO_COMMAND = 5
     COMMAND_STALE = 6
@@ -48,7 +48,7 @@ class GateCause(IntEnum):
     FORCE_ABOVE_LIMIT = 13
     NOT_UNLOADING = 14
     ESTOP = 15
-    OVERSLEPT = 16
+    OVERRUN = 16
     LINK_FAULTS = 17  # more than one CRC or sequence fault a second under a bound identity
     TWO_PUBLISHERS = 18
 
@@ -57,7 +57,7 @@ class Mode(IntEnum):
     """Mode of the supervisor, as every permit states it."""
 
     DISARMED = 0
-    ARMED = 1  # an arming number exists; valves shut until the trial's tick 0
+    ARMED = 1  # an arming id exists; valves shut until the trial's tick 0
     RUNNING = 2
     TRIPPED = 3
     RECOVER = 4
@@ -111,7 +111,7 @@ class Channel(NamedTuple):
     high: int
 
 
-class About(NamedTuple):
+class PlantDescription(NamedTuple):
     """What a controller must know of the machine it drives."""
 
     machine: str
@@ -146,7 +146,7 @@ class Sample(NamedTuple):
     command_age_ns: int  # age of that sample when the gate accepted the command (wall clock in `real`)
 
 
-class Truth(NamedTuple):
+class GroundTruth(NamedTuple):
     """What only an emulator knows. No controller reads it."""
 
     number: int
@@ -215,7 +215,7 @@ class Permit(NamedTuple):
     trip_number: int  # sample of the trip
     first_sample: int  # sample number at which the announced trial starts; NO_COMMAND = none
     duration_ticks: int  # of the announced trial
-    bias_ticks: int
+    tare_ticks: int
     recover_signs: LinkCounts  # signs that unload
     force_limit_n: float
     force_bias_n: float
@@ -229,7 +229,7 @@ class InboxCounts(NamedTuple):
     lost: int  # numbers that were skipped
     other_run: int  # accepted, but of another run or experiment: not used
     link_faults: int  # CRC and sequence faults under the bound identity
-    rivals: int  # frames by which the bound sender has another epoch
+    epoch_conflicts: int  # frames by which the bound sender has another epoch
     oversized: int  # from here on: why frames were discarded, strangers' among them
     malformed: int
     crc: int
@@ -241,14 +241,14 @@ class InboxCounts(NamedTuple):
     sequence: int
 
 
-class Reception(NamedTuple):
+class LinkStats(NamedTuple):
     """Every inbox of one receiver."""
 
     number: int  # sample at which this was counted
     inboxes: tuple[InboxCounts, ...]
 
 
-class Passed(NamedTuple):
+class SampleDropped(NamedTuple):
     """In lockstep: a fault of the transport took this sample, it will not be answered."""
 
     number: int

@@ -19,25 +19,25 @@ class Topic(NamedTuple):
 
 TOPICS = (
     Topic("plant/sample", 1, messages.Sample, "plant", True, "1 period", True),
-    Topic("plant/truth", 2, messages.Truth, "plant", True, "", False),
+    Topic("plant/ground_truth", 2, messages.GroundTruth, "plant", True, "", False),
     Topic("plant/gate", 20, messages.GateEvent, "plant", False, "", False),
-    Topic("plant/about", 4, messages.About, "plant", False, "", False),
+    Topic("plant/description", 4, messages.PlantDescription, "plant", False, "", False),
     Topic("controller/command", 5, messages.Command, "controller", True, "1 lease", True),
     Topic("controller/state", 6, messages.ControllerState, "controller", True, "1 lease", False),
     Topic("supervisor/permit", 7, messages.Permit, "supervisor", True, "1 lease", True),
-    Topic("plant/reception", 10, messages.Reception, "plant", False, "", False),
-    Topic("controller/reception", 11, messages.Reception, "controller", False, "", False),
-    Topic("supervisor/reception", 12, messages.Reception, "supervisor", False, "", False),
-    Topic("controller/passed", 13, messages.Passed, "controller", False, "", False),
-    Topic("supervisor/passed", 14, messages.Passed, "supervisor", False, "", False),
+    Topic("plant/link_stats", 10, messages.LinkStats, "plant", False, "", False),
+    Topic("controller/link_stats", 11, messages.LinkStats, "controller", False, "", False),
+    Topic("supervisor/link_stats", 12, messages.LinkStats, "supervisor", False, "", False),
+    Topic("controller/sample_dropped", 13, messages.SampleDropped, "controller", False, "", False),
+    Topic("supervisor/sample_dropped", 14, messages.SampleDropped, "supervisor", False, "", False),
     Topic("plant/fault", 15, messages.FaultEvent, "plant", False, "", False),
-    Topic("controller/changed", 16, messages.ParameterEvent, "controller", False, "", False),
+    Topic("controller/parameter_change", 16, messages.ParameterEvent, "controller", False, "", False),
 )
-HERALD = Topic("plant/herald", 17, messages.Sample, "plant", False, "", True)  # tells nothing new: nobody records it
+WARMUP = Topic("plant/warmup", 17, messages.Sample, "plant", False, "", True)  # tells nothing new: nobody records it
 ASK = Topic("operator/request", 8, messages.Ask, "operator", False, "", False)
 ANSWER = Topic("operator/answer", 9, messages.Answer, "", False, "", False)
-BY_KEY = {topic.key: topic for topic in (*TOPICS, HERALD)}
-BY_SCHEMA = {topic.schema: topic for topic in (*TOPICS, HERALD, ASK, ANSWER)}
+BY_KEY = {topic.key: topic for topic in (*TOPICS, WARMUP)}
+BY_SCHEMA = {topic.schema: topic for topic in (*TOPICS, WARMUP, ASK, ANSWER)}
 
 SERVICES = ("plant", "controller", "supervisor", "recorder")
 

@@ -14,10 +14,10 @@ from hydrohil.shared.host.realtime import (
     FIFO_PRIORITY,
     PLANT_PRIORITY,
     Granted,
-    claim,
     die_with_parent,
+    pin_cpu,
     quiet_garbage_collection,
-    settle,
+    request_realtime,
 )
 from hydrohil.shared.transport.bus import DEFAULT_PORT, Bus, BusError
 from hydrohil.shared.transport.endpoints import HERE, LISTENERS, Network, address, network
@@ -98,9 +98,9 @@ def serve(service: str, options: Options, run: Callable[[Bus, Callable[[], bool]
     if not await_router(service, options.network):
         return EXIT_OK
     stop: list[int] = []
-    granted = claim(realtime=options.realtime, priority=PLANT_PRIORITY if service == "plant" else FIFO_PRIORITY)
+    granted = request_realtime(realtime=options.realtime, priority=PLANT_PRIORITY if service == "plant" else FIFO_PRIORITY)
     if service in _ALONE:
-        settle(options.port // len(LISTENERS), alone=_ALONE[service])
+        pin_cpu(options.port // len(LISTENERS), alone=_ALONE[service])
     try:
         with Bus(service, options.cell, options.port, draw_number(), options.network) as bus:
 

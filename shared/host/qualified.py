@@ -32,9 +32,9 @@ class Host(NamedTuple):
 
 
 class Qualified(NamedTuple):
-    """A record in short: the rate that is signed, and the key figures of the trial that decided it."""
+    """A record in short: the rate that is qualified, and the key figures of the trial that decided it."""
 
-    signed_period_ns: int  # shortest sampling period that is signed; 0 = none
+    qualified_period_ns: int  # shortest sampling period that is qualified; 0 = none
     grade: str
     made: str  # date and time
     period_ns: int  # of the trial that decided
@@ -107,8 +107,8 @@ def of_plain(values: Any) -> Standing:
     if values is None:
         return UNKNOWN
     found: Qualified = checked(values, "qualification", Qualified)
-    if found.signed_period_ns < 0 or found.period_ns <= 0:
-        raise ValueError(f"qualification: {found.signed_period_ns} and {found.period_ns} ns are no sampling periods")
+    if found.qualified_period_ns < 0 or found.period_ns <= 0:
+        raise ValueError(f"qualification: {found.qualified_period_ns} and {found.period_ns} ns are no sampling periods")
     return Standing(found, words(found))
 
 
@@ -118,13 +118,13 @@ def hertz(period_ns: int) -> str:
 
 
 def words(found: Qualified) -> str:
-    """Grade, signed rate, key figures and date in a line."""
-    signed = f"signed for {hertz(found.signed_period_ns)}" if found.signed_period_ns else "no rate is signed"
+    """Grade, qualified rate, key figures and date in a line."""
+    qualified = f"qualified for {hertz(found.qualified_period_ns)}" if found.qualified_period_ns else "no rate is qualified"
     late = f"{_amount(found.late_share, '%', 100.0)} of {found.samples} samples late at {hertz(found.period_ns)}"
     p999 = _amount(found.accepted_p999_us, " ms", 1e-3)
     worst, lease = _amount(found.wake_up_max_us, " ms", 1e-3), _amount(found.lease_ms, " ms", 1.0)
     figures = f"{late}, sample to command p99.9 {p999}, worst wake-up {worst}, lease {lease}"
-    return f"{signed}, grade {found.grade} ({found.made}): {figures}"
+    return f"{qualified}, grade {found.grade} ({found.made}): {figures}"
 
 
 def _amount(value: float | None, unit: str, factor: float) -> str:
@@ -132,13 +132,13 @@ def _amount(value: float | None, unit: str, factor: float) -> str:
 
 
 def beyond(found: Qualified | None, period_ns: int) -> str:
-    """Why a rate may not be armed on this host: it is above the one signed. "" where it may, or nothing is on record."""
-    if found is None or 0 < found.signed_period_ns <= period_ns:
+    """Why a rate may not be armed on this host: it is above the one qualified. "" where it may, or nothing is on record."""
+    if found is None or 0 < found.qualified_period_ns <= period_ns:
         return ""
-    signed, lower = "signed for no rate", ""
-    if found.signed_period_ns:
-        signed, lower = f"signed for at most {hertz(found.signed_period_ns)}", ", a lower rate,"
+    qualified, lower = "qualified for no rate", ""
+    if found.qualified_period_ns:
+        qualified, lower = f"qualified for at most {hertz(found.qualified_period_ns)}", ", a lower rate,"
     return (
-        f"plant.sample_period_substeps asks for {hertz(period_ns)}, and this host is {signed} ({found.made}): "
+        f"plant.sample_period_substeps asks for {hertz(period_ns)}, and this host is {qualified} ({found.made}): "
         f"`hydrohil qualify` again{lower} or `--unqualified`"
     )

@@ -27,7 +27,7 @@ class Granted(NamedTuple):
     idle_latency: bool
 
 
-def claim(*, realtime: bool, priority: int = FIFO_PRIORITY) -> Granted:
+def request_realtime(*, realtime: bool, priority: int = FIFO_PRIORITY) -> Granted:
     """Claim what the host permits; call it before the transport starts its threads, which inherit it."""
     sys.setswitchinterval(_SWITCH_INTERVAL_S)
     libc = ctypes.CDLL(None, use_errno=True)
@@ -46,7 +46,7 @@ def _fifo(priority: int) -> bool:
     return True
 
 
-def settle(number: int, *, alone: bool) -> None:
+def pin_cpu(number: int, *, alone: bool) -> None:
     """Take one processor, or leave that one to who does; where real-time scheduling was granted and there is a choice.
 
     What a process has used lies in one processor's cache only. Cells with the next `number` take the next processor.
@@ -64,7 +64,7 @@ def is_fifo() -> bool:
     return bool(_granted)
 
 
-def follow(clock: str) -> None:
+def set_scheduling(clock: str) -> None:
     """Real-time scheduling where the wall clock paces and it was granted; in lockstep it would starve whoever watches."""
     if clock != "real":
         return interrupt_nobody()
@@ -72,7 +72,7 @@ def follow(clock: str) -> None:
 
 
 @contextlib.contextmanager
-def unhurried() -> Iterator[None]:
+def without_realtime() -> Iterator[None]:
     """What this thread does now has no deadline, and takes no processor from who has one, of this cell or of another."""
     if not _granted:
         yield

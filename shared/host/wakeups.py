@@ -4,7 +4,7 @@ import os
 import time
 
 from hydrohil.shared.host.clock import sleep_until
-from hydrohil.shared.host.realtime import claim, die_with_parent
+from hydrohil.shared.host.realtime import die_with_parent, request_realtime
 from hydrohil.shared.units import NS_PER_S
 
 _PERIOD_NS = 4_500_000  # the sampling period of the thesis
@@ -33,7 +33,7 @@ class Probe:
         if self._child == 0:
             try:
                 if die_with_parent(parent):
-                    claim(realtime=realtime)
+                    request_realtime(realtime=realtime)
                     os.write(told, str(worst_lateness_ns(seconds)).encode())
             finally:
                 os._exit(0)

@@ -18,7 +18,7 @@ class Acceptance:
         self.accepted = 0
         self.other_run = 0  # accepted, and not used by who knows which run it is in
         self.link_faults = 0  # CRC and sequence faults under the bound identity
-        self.rivals = 0  # valid frames of this sender that changed its epoch, or came of one that was left
+        self.epoch_conflicts = 0  # valid frames of this sender that changed its epoch, or came of one that was left
         self._left: set[int] = set()
 
     def take(self, message: Received | Rejected) -> Received | None:
@@ -31,12 +31,12 @@ class Acceptance:
         anew = self.bound is not None and header.epoch != self.bound.epoch
         if header.epoch in self._left or (anew and len(self._left) >= MOST_EPOCHS):
             self.discarded["epoch"] += 1
-            self.rivals += 1
+            self.epoch_conflicts += 1
             return None
         last = header.seq - 1  # of a stream that is new: nothing is lost before one joins
         if anew and self.bound is not None:
             self._left.add(self.bound.epoch)
-            self.rivals += 1
+            self.epoch_conflicts += 1
         elif self.bound is not None:
             last = self.bound.seq
         if header.seq <= last:

@@ -28,8 +28,8 @@ from hydrohil.shared.transport.endpoints import HERE, LISTENERS, Network, addres
 from hydrohil.shared.transport.impairment_queue import Conditions, idle
 from hydrohil.shared.transport.inbox import RING, Inbox
 from hydrohil.shared.transport.requests import REPEATABLE, TO, Request, Requests
-from hydrohil.shared.transport.step_lock import Turns
-from hydrohil.shared.transport.thread_state import stay_attached
+from hydrohil.shared.transport.step_lock import StepLock
+from hydrohil.shared.transport.thread_state import keep_thread_state
 
 DEFAULT_PORT = 7450
 _TAKEN = "a {service} runs there already; stop it (`hydrohil down`) or give this cell other ports (`--port N`)"
@@ -53,7 +53,7 @@ class Run(NamedTuple):
 
     run: int = 0
     experiment: bytes = b""
-    arming: int = 0
+    arming_id: int = 0
 
 
 def same_run(header: Header, run: Run) -> bool:
@@ -76,7 +76,7 @@ class Bus:
         self._port_base, self._network = port_base, network
         self._lock = threading.Lock()
         self._lock.acquire()
-        self._turns: Turns | None = None  # what steps where a frame arrives
+        self._turns: StepLock | None = None  # what steps where a frame arrives
         self._failure: BaseException | None = None  # of such a step
         self._impaired = False  # faults act on what arrives
         self._seq: dict[str, int] = {}
@@ -112,7 +112,7 @@ class Bus:
         except RuntimeError:  # another thread was faster
             return
 
-    def attend(self, turns: Turns) -> None:
+    def attend(self, turns: StepLock) -> None:
         """From now on the transport's thread steps as soon as a frame is there, and `wait` wakes for requests alone.
 
         While faults act on what arrives it only wakes: a frame that is delayed comes when nothing arrives.
@@ -121,7 +121,7 @@ class Bus:
 
     def _arrived(self) -> None:
         """Transport's callback, after a frame was put into its ring."""
-        stay_attached()
+        keep_thread_state()
         if self._turns is None or self._impaired:
             return self.wake()
         try:
@@ -136,8 +136,8 @@ class Bus:
         Raises what a step has raised that the transport's thread took.
         """
         for inbox in self._inboxes:
-            if inbox.detour is not None:
-                timeout_s = min(timeout_s, (inbox.detour.next_ns() - time.monotonic_ns()) * 1e-9)
+            if inbox.impairment_queue is not None:
+                timeout_s = min(timeout_s, (inbox.impairment_queue.next_ns() - time.monotonic_ns()) * 1e-9)
         woken = self._lock.acquire(timeout=max(0.0, timeout_s))
         if self._failure is not None:
             raise self._failure
@@ -148,7 +148,7 @@ class Bus:
         self.conditions = conditions
         for inbox in self._inboxes:
             inbox.impair(conditions)
-        self._impaired = any(inbox.detour is not None for inbox in self._inboxes)
+        self._impaired = any(inbox.impairment_queue is not None for inbox in self._inboxes)
 
     def subscribe(self, key: str, depth: int = RING) -> Inbox:
         """A ring fed by one topic."""
@@ -165,7 +165,7 @@ class Bus:
         """Bare payloads of a topic, for who measures the transport: `take` runs in its callback."""
 
         def heard(sample: Any) -> None:
-            stay_attached()
+            keep_thread_state()
             take(sample.payload.to_bytes())
             self.wake()
 
@@ -195,8 +195,8 @@ class Bus:
     def _header(self, topic: Topic, echo: tuple[int, int] = (NO_COMMAND, 0)) -> Header:
         seq = self._seq[topic.key] = self._seq.get(topic.key, -1) + 1
         cell, sender, epoch = self.identity
-        run, experiment, arming = self.run
-        return Header(WIRE_VERSION, topic.schema, cell, run, experiment, sender, epoch, arming, seq, echo[0], echo[1])
+        run, experiment, arming_id = self.run
+        return Header(WIRE_VERSION, topic.schema, cell, run, experiment, sender, epoch, arming_id, seq, echo[0], echo[1])
 
     def requests(self) -> list[Request]:
         """Requests that have arrived; each wants one answer."""

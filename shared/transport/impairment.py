@@ -45,7 +45,7 @@ class Route(NamedTuple):
     legs: tuple[Leg, ...]
 
 
-class Toll(NamedTuple):
+class Effect(NamedTuple):
     """What one leg takes from a message."""
 
     lost: bool = False
@@ -55,7 +55,7 @@ class Toll(NamedTuple):
     flipped: float = _NOWHERE  # where the bit that flips stands, as a share of the frame
 
 
-class Fate(NamedTuple):
+class Outcome(NamedTuple):
     """What becomes of a message on its route."""
 
     lost: bool = False
@@ -109,38 +109,38 @@ def draw(seed: int, leg: Leg, fault: Active, tick: int) -> float:
 
 
 @lru_cache(_REMEMBERED)  # a late message is compared with all that may overtake it, each time anew
-def toll(route: Route, tick: int) -> Toll:
+def effect(route: Route, tick: int) -> Effect:
     """What the last leg takes from the message of `tick`."""
-    leg, taken = route.legs[-1], Toll()
+    leg, taken = route.legs[-1], Effect()
     for fault in leg.faults:
         if fault.begin <= tick < fault.end:
             taken = _take(taken, fault, draw(route.seed, leg, fault, tick), route.period)
     return taken
 
 
-def _take(toll_: Toll, fault: Active, drawn: float, period: int) -> Toll:
+def _take(effect_: Effect, fault: Active, drawn: float, period: int) -> Effect:
     hit = drawn < fault.amount
     match fault.kind:
         case "partition" | "burst":
-            return toll_._replace(lost=True)
+            return effect_._replace(lost=True)
         case "loss":
-            return toll_._replace(lost=toll_.lost or hit)
+            return effect_._replace(lost=effect_.lost or hit)
         case "duplicate":
-            return toll_._replace(copies=toll_.copies + hit)
+            return effect_._replace(copies=effect_.copies + hit)
         case "delay":
-            return toll_._replace(delay=toll_.delay + round(fault.amount))
+            return effect_._replace(delay=effect_.delay + round(fault.amount))
         case "jitter":
-            return toll_._replace(delay=toll_.delay + int(drawn * (round(fault.amount) + 1)))
-        case "reorder" if hit and not toll_.swapped:
-            return toll_._replace(swapped=True, delay=toll_.delay + period)
+            return effect_._replace(delay=effect_.delay + int(drawn * (round(fault.amount) + 1)))
+        case "reorder" if hit and not effect_.swapped:
+            return effect_._replace(swapped=True, delay=effect_.delay + period)
         case "corrupt" if hit:
-            return toll_._replace(flipped=drawn / fault.amount)
-    return toll_
+            return effect_._replace(flipped=drawn / fault.amount)
+    return effect_
 
 
-def both(one: Fate, other: Fate) -> Fate:
+def both(one: Outcome, other: Outcome) -> Outcome:
     """What becomes of a message that meets two sets of faults."""
-    return Fate(
+    return Outcome(
         one.lost or other.lost,
         one.overtaken or other.overtaken,
         one.delay + other.delay,
@@ -150,25 +150,25 @@ def both(one: Fate, other: Fate) -> Fate:
     )
 
 
-def fate_now(route: Route, tick: int) -> Fate:
+def outcome_now(route: Route, tick: int) -> Outcome:
     """What becomes of a message that answers no new sample: what acts now on the last leg, acts on it."""
-    own = toll(route, tick)
-    return Fate(own.lost, False, own.delay, own.delay, own.copies, own.flipped)
+    own = effect(route, tick)
+    return Outcome(own.lost, False, own.delay, own.delay, own.copies, own.flipped)
 
 
 @lru_cache(_REMEMBERED)
-def fate(route: Route, tick: int) -> Fate:
+def outcome(route: Route, tick: int) -> Outcome:
     """What becomes of the message of `tick`."""
     before = 0
     if len(route.legs) > 1:
-        upstream = fate(route._replace(legs=route.legs[:-1]), tick)
+        upstream = outcome(route._replace(legs=route.legs[:-1]), tick)
         before = upstream.delay if upstream.taken else 0
-    own = toll(route, tick)
+    own = effect(route, tick)
     delay = before + own.delay
-    return Fate(own.lost, not own.lost and _overtaken(route, tick, delay, own), delay, own.delay, own.copies, own.flipped)
+    return Outcome(own.lost, not own.lost and _overtaken(route, tick, delay, own), delay, own.delay, own.copies, own.flipped)
 
 
-def _overtaken(route: Route, tick: int, delay: int, own: Toll) -> bool:
+def _overtaken(route: Route, tick: int, delay: int, own: Effect) -> bool:
     """Whether a younger message comes before this one; on a tie the older is first, unless it changed places."""
     mine = (tick * route.period + delay, own.swapped)
     return any(_place(route, younger) < mine for younger in range(tick + 1, tick + delay // route.period + 1))
@@ -178,11 +178,11 @@ def _place(route: Route, tick: int) -> tuple[float, bool]:
     """When a message comes, in sub-steps; never, if it does not."""
     before = 0
     if len(route.legs) > 1:
-        upstream = fate(route._replace(legs=route.legs[:-1]), tick)
+        upstream = outcome(route._replace(legs=route.legs[:-1]), tick)
         if not upstream.taken:
             return math.inf, False
         before = upstream.delay
-    own = toll(route, tick)
+    own = effect(route, tick)
     if own.lost or own.flipped != _NOWHERE:
         return math.inf, False
     return tick * route.period + before + own.delay, own.swapped

@@ -12,18 +12,18 @@ from typing import NamedTuple
 from hydrohil.shared.contract.codec import Received, Rejected
 from hydrohil.shared.contract.envelope import PERIOD_SUBSTEPS, Envelope, faults, period_substeps
 from hydrohil.shared.contract.faults import Fault, ticks_of
-from hydrohil.shared.contract.messages import NO_COMMAND, NO_TRIAL, Passed
+from hydrohil.shared.contract.messages import NO_COMMAND, NO_TRIAL, SampleDropped
 from hydrohil.shared.contract.topics import Topic
 from hydrohil.shared.transport.impairment import (
     SAMPLE,
     Active,
-    Fate,
+    Outcome,
     Route,
     both,
-    fate,
-    fate_now,
     flip,
     on_path,
+    outcome,
+    outcome_now,
     paths_of,
     route_of,
 )
@@ -59,7 +59,7 @@ class Passage(NamedTuple):
     taken: bool  # it is answered, be it late; otherwise the plant must be told that it is not
 
 
-def send(queue: Queue, found: Fate, frame: Frame, release_ns: int) -> Queue:
+def send(queue: Queue, found: Outcome, frame: Frame, release_ns: int) -> Queue:
     """One frame more on its way, to come at `release_ns` but never before an older one."""
     if found.lost:
         return queue
@@ -124,17 +124,17 @@ class Conditions:
 
     def touches(self, topic: Topic) -> bool:
         """Whether anything acts on a topic's way to this service; word of what a fault took always comes through."""
-        if topic.message is Passed:
+        if topic.message is SampleDropped:
             return False
         if topic.key == SAMPLE:  # it tells the tick, by which the faults of every topic act
             return any(path.endswith(f">{self.service}") for path in (*self._in_trial, *self._injected))
         return any(leg.faults for by_hand in (False, True) for leg in self._route(topic, by_hand=by_hand).legs)
 
-    def fate(self, topic: Topic, number: int, *, answers: bool) -> Fate:
+    def outcome(self, topic: Topic, number: int, *, answers: bool) -> Outcome:
         """What becomes of a message: of one that answers sample `number`, or of one that is sent now."""
         tick = self.tick_of(number) if answers else self.tick
-        meets = fate if answers else fate_now
-        found = meets(self._route(topic, by_hand=False), tick) if tick != NO_TRIAL else Fate()
+        meets = outcome if answers else outcome_now
+        found = meets(self._route(topic, by_hand=False), tick) if tick != NO_TRIAL else Outcome()
         if not self.by_hand:
             return found
         return both(found, meets(self._route(topic, by_hand=True), number if answers else self.number))
@@ -175,7 +175,7 @@ def conditions_of(envelope: Envelope, before: Conditions) -> Conditions:
         acting,
         seed=envelope.seed,
         period=period_substeps(envelope),
-        ticks=(-envelope.bias_ticks, envelope.duration_ticks),
+        ticks=(-envelope.tare_ticks, envelope.duration_ticks),
         lockstep=envelope.clock == "lockstep",
     )
     made.see(before.number, before.tick)
@@ -183,7 +183,7 @@ def conditions_of(envelope: Envelope, before: Conditions) -> Conditions:
     return made
 
 
-class Detour:
+class ImpairmentQueue:
     """One inbox's frames between their arrival and the step."""
 
     def __init__(self, topic: Topic, conditions: Conditions, decode: Callable[[bytes, int], Frame]) -> None:
@@ -212,7 +212,7 @@ class Detour:
             self.newest = header.echo_number
             conditions.number = max(conditions.number, header.echo_number)
         tick = conditions.tick_of(header.echo_number) if answers else conditions.tick
-        found = conditions.fate(self._topic, header.echo_number, answers=answers)
+        found = conditions.outcome(self._topic, header.echo_number, answers=answers)
         since_ns = self._since_ns(message, now_ns if not answers else header.echo_time_ns, tick)
         release_ns = since_ns + (found.delay if self._paces else found.own) * SUBSTEP_NS
         coming = self._decode(flip(frame, found.flipped), message.arrival_ns) if found.flipped >= 0.0 else message
@@ -238,7 +238,7 @@ class Detour:
             return message.arrival_ns
         return simulated_ns if self._paces and tick != NO_TRIAL else 0
 
-    def _pass(self, number: int, time_ns: int, tick: int, found: Fate) -> None:
+    def _pass(self, number: int, time_ns: int, tick: int, found: Outcome) -> None:
         """Keep the account of samples in simulated time."""
         if found.taken:
             self._coming_ns.append(time_ns + found.delay * SUBSTEP_NS)
@@ -262,4 +262,4 @@ class Detour:
 
     def delay_ns(self, number: int) -> int:
         """Simulated time from a sample to the coming of its answer."""
-        return self.conditions.fate(self._topic, number, answers=True).delay * SUBSTEP_NS
+        return self.conditions.outcome(self._topic, number, answers=True).delay * SUBSTEP_NS

@@ -9,7 +9,7 @@ from hydrohil.shared.contract.codec import Received, Rejected, decode
 from hydrohil.shared.contract.messages import NO_COMMAND
 from hydrohil.shared.contract.topics import Topic, expression
 from hydrohil.shared.transport.acceptance import Acceptance
-from hydrohil.shared.transport.impairment_queue import FOREVER_NS, Conditions, Detour, Passage
+from hydrohil.shared.transport.impairment_queue import FOREVER_NS, Conditions, ImpairmentQueue, Passage
 from hydrohil.shared.transport.protection import Protection, ProtectionLimits
 
 RING = 64  # frames kept for one step; a ring of one would let a foreign frame push out a valid one
@@ -26,7 +26,7 @@ class Inbox:
         self._key = expression(cell, topic.key)
         self._ring: deque[tuple[int, bytes]] = deque(maxlen=depth)
         self._wake = wake
-        self.detour: Detour | None = None  # transport faults, while any are loaded
+        self.impairment_queue: ImpairmentQueue | None = None  # transport faults, while any are loaded
 
     def put(self, sample: Any) -> None:
         """Transport's callback: stamp and append."""
@@ -35,9 +35,9 @@ class Inbox:
 
     def impair(self, conditions: Conditions) -> None:
         """Let faults act on this topic, if any of `conditions` touches it; what is under way of the same load stays so."""
-        if self.detour is not None and self.detour.conditions is conditions:
+        if self.impairment_queue is not None and self.impairment_queue.conditions is conditions:
             return
-        self.detour = Detour(self.topic, conditions, self._decode) if conditions.touches(self.topic) else None
+        self.impairment_queue = ImpairmentQueue(self.topic, conditions, self._decode) if conditions.touches(self.topic) else None
 
     def peek(self) -> Received | Rejected | None:
         """The newest frame, left where it is; for progress, never for control."""
@@ -53,11 +53,11 @@ class Inbox:
         while self._ring:
             arrival_ns, frame = self._ring.popleft()
             message = self._decode(frame, arrival_ns)
-            if self.detour is None:
+            if self.impairment_queue is None:
                 frames.append(message)
             else:
-                self.detour.admit(frame, message, simulated_ns)
-        return frames if self.detour is None else self.detour.released(simulated_ns, time.monotonic_ns())
+                self.impairment_queue.admit(frame, message, simulated_ns)
+        return frames if self.impairment_queue is None else self.impairment_queue.released(simulated_ns, time.monotonic_ns())
 
     def take(self, simulated_ns: int = FOREVER_NS) -> list[Received]:
         """Everything valid that has come, in order; the rest is counted in `acceptance`."""
@@ -70,18 +70,18 @@ class Inbox:
 
     def passages(self) -> list[Passage]:
         """Samples that arrived in lockstep since the last call and did not come as they should."""
-        if self.detour is None:
+        if self.impairment_queue is None:
             return []
-        passed, self.detour.passages = self.detour.passages, []
+        passed, self.impairment_queue.passages = self.impairment_queue.passages, []
         return passed
 
     def arrived(self) -> int:
         """Newest sample whose answer a fault holds or took; nobody waits for it."""
-        return NO_COMMAND if self.detour is None else self.detour.newest
+        return NO_COMMAND if self.impairment_queue is None else self.impairment_queue.newest
 
     def delay_ns(self, message: Received) -> int:
         """Simulated time by which faults made `message` later than its sample."""
-        return 0 if self.detour is None else self.detour.delay_ns(message.header.echo_number)
+        return 0 if self.impairment_queue is None else self.impairment_queue.delay_ns(message.header.echo_number)
 
     def _decode(self, frame: bytes, arrival_ns: int) -> Received | Rejected:
         return decode(self._key, self.topic, self.cell, frame, arrival_ns)

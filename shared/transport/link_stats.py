@@ -3,7 +3,7 @@
 from collections.abc import Iterable
 from typing import Protocol
 
-from hydrohil.shared.contract.messages import InboxCounts, Reception
+from hydrohil.shared.contract.messages import InboxCounts, LinkStats
 from hydrohil.shared.contract.topics import Topic
 from hydrohil.shared.transport.acceptance import Acceptance
 from hydrohil.shared.units import NS_PER_S
@@ -28,14 +28,14 @@ def inbox_counts(topic: str, acceptance: Acceptance) -> InboxCounts:
         acceptance.lost,
         acceptance.other_run,
         acceptance.link_faults,
-        acceptance.rivals,
+        acceptance.epoch_conflicts,
         *discarded,
     )
 
 
-def reception(number: int, inboxes: Iterable[Counting]) -> Reception:
+def link_stats(number: int, inboxes: Iterable[Counting]) -> LinkStats:
     """Counts of every inbox of a receiver, at a sample."""
-    return Reception(number, tuple(inbox_counts(inbox.topic.key, inbox.acceptance) for inbox in inboxes))
+    return LinkStats(number, tuple(inbox_counts(inbox.topic.key, inbox.acceptance) for inbox in inboxes))
 
 
 def due(number: int, sample_period_ns: int) -> bool:

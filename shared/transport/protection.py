@@ -34,31 +34,33 @@ def protection_step(memory: ProtectionMemory, limits: ProtectionLimits, faults: 
     return ProtectionMemory((new + recent)[: limits.kept])
 
 
-class LinkSeen(NamedTuple):
+class LinkObservation(NamedTuple):
     """What one link has shown within the last second."""
 
     faults: int
-    rivals: int
+    epoch_conflicts: int
 
 
 class Protection:
-    """The faults and rivals of one inbox, by the clock of whoever drains it."""
+    """The faults and epoch_conflicts of one inbox, by the clock of whoever drains it."""
 
     def __init__(self, acceptance: Acceptance, limits: ProtectionLimits) -> None:
         """Nothing seen."""
         self._acceptance, self._limits = acceptance, limits
-        self._faults = self._rivals = ProtectionMemory()
-        self._told = LinkSeen(0, 0)  # totals at the last look
+        self._faults = self._epoch_conflicts = ProtectionMemory()
+        self._told = LinkObservation(0, 0)  # totals at the last look
 
-    def look(self, now_ns: int) -> LinkSeen:
-        """Faults and rivals of the last second, those included that came since the last look."""
-        totals = LinkSeen(self._acceptance.link_faults, self._acceptance.rivals)
+    def look(self, now_ns: int) -> LinkObservation:
+        """Faults and epoch_conflicts of the last second, those included that came since the last look."""
+        totals = LinkObservation(self._acceptance.link_faults, self._acceptance.epoch_conflicts)
         self._faults = protection_step(self._faults, self._limits, totals.faults - self._told.faults, now_ns)
-        self._rivals = protection_step(self._rivals, self._limits, totals.rivals - self._told.rivals, now_ns)
+        self._epoch_conflicts = protection_step(
+            self._epoch_conflicts, self._limits, totals.epoch_conflicts - self._told.epoch_conflicts, now_ns
+        )
         self._told = totals
-        return LinkSeen(len(self._faults.at_ns), len(self._rivals.at_ns))
+        return LinkObservation(len(self._faults.at_ns), len(self._epoch_conflicts.at_ns))
 
 
-def worst(*links: LinkSeen) -> LinkSeen:
-    """The most faults and the most rivals of any link: each identity has its own count."""
-    return LinkSeen(max(link.faults for link in links), max(link.rivals for link in links))
+def worst(*links: LinkObservation) -> LinkObservation:
+    """The most faults and the most epoch_conflicts of any link: each identity has its own count."""
+    return LinkObservation(max(link.faults for link in links), max(link.epoch_conflicts for link in links))

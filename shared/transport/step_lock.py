@@ -4,7 +4,7 @@ import threading
 from collections.abc import Callable
 
 
-class Turns:
+class StepLock:
     """A step that several threads may take; the one that also serves requests goes before all others, whatever floods them."""
 
     def __init__(self, step: Callable[[], None]) -> None:

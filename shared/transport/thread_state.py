@@ -6,7 +6,7 @@ import threading
 _thread = threading.local()
 
 
-def stay_attached() -> None:
+def keep_thread_state() -> None:
     """Keep the state of the calling thread, which Python did not start, as long as that thread lives."""
     if not hasattr(_thread, "kept"):
         _thread.kept = ctypes.pythonapi.PyGILState_Ensure()

@@ -184,8 +184,8 @@ CUTS: dict[GateCause, Cause] = {
         "the permit's mode is RUNNING from tick 0 on, or RECOVER",
         "the supervisor decides: see its cause",
     ),
-    GateCause.BURNED_ARMING: Cause(
-        "the arming was burned by an earlier cut", "the permit's arming was never cut", "`hydrohil reset`, and arm again"
+    GateCause.REVOKED_ARMING: Cause(
+        "the arming was revoked by an earlier cut", "the permit's arming was never cut", "`hydrohil reset`, and arm again"
     ),
     GateCause.PERMIT_STALE: Cause(
         "the permit was {measured:.4g} s old against a lease of {limit:.4g} s",
@@ -239,7 +239,7 @@ CUTS: dict[GateCause, Cause] = {
         "no emergency stop is pressed at the gate",
         "when the reason is gone: `hydrohil reset`",
     ),
-    GateCause.OVERSLEPT: Cause(
+    GateCause.OVERRUN: Cause(
         "the plant itself stood still for longer than the lease",
         "the plant wakes within a lease of its grid",
         "free this host, or give a longer lease (`--permit-ttl-ms`); then `hydrohil reset`",

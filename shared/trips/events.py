@@ -38,7 +38,7 @@ def _word(members: type[Mode] | type[TripCause] | type[GateState] | type[GateCau
 
 def gate_event(event: GateEvent) -> Event:
     """A decision of the gate."""
-    level: Level = "ERROR" if event.state == GateState.BURNED else "WARN"
+    level: Level = "ERROR" if event.state == GateState.REVOKED else "WARN"
     words = f"gate {_word(GateState, event.state)}: {_word(GateCause, event.cause)}"
     return Event("gate", level, f"{words}, {event.measured:g} against {event.limit:g}, sample {event.number}")
 
@@ -67,7 +67,7 @@ def permit_events(before: Permit | None, now: Permit) -> list[Event]:
     if before is None or (before.mode, before.cause) != (now.mode, now.cause):
         told.append(_mode_event(before, now))
     if now.first_sample != NO_COMMAND and (before is None or before.first_sample != now.first_sample):
-        ticks = f"{now.bias_ticks} ticks of force bias, then {now.duration_ticks}"
+        ticks = f"{now.tare_ticks} ticks of force bias, then {now.duration_ticks}"
         told.append(Event("supervisor", "INFO", f"trial announced: first sample {now.first_sample}, {ticks}"))
     return told
 
@@ -90,7 +90,7 @@ def gap_event(topic: str, header: Header, counted: Counted) -> Event | None:
     return None
 
 
-def reception_event(receiver: str, before: InboxCounts | None, now: InboxCounts) -> Event | None:
+def link_stats_event(receiver: str, before: InboxCounts | None, now: InboxCounts) -> Event | None:
     """What a receiver lost or discarded since it was last told; nothing at its first telling, or where it started anew."""
     if before is None:
         return None

@@ -9,10 +9,10 @@ from collections.abc import Mapping, Sequence
 from typing import Any, NamedTuple
 
 from hydrohil.shared.contract.converters import N_PER_FORCE_COUNT, ZERO_CODE
-from hydrohil.shared.contract.messages import NO_TRIAL, About, GateCause, GateState, Mode, Reception, TripCause
+from hydrohil.shared.contract.messages import NO_TRIAL, GateCause, GateState, LinkStats, Mode, PlantDescription, TripCause
 from hydrohil.shared.trips.ages import ages
 from hydrohil.shared.trips.causes import CUTS, TRIPS, Cause, cut_happened, trip_happened
-from hydrohil.shared.trips.tables import GATE, PERMIT, SAMPLE, STATE, TRUTH, Table, Tables, row_of
+from hydrohil.shared.trips.tables import GATE, GROUND_TRUTH, PERMIT, SAMPLE, STATE, Table, Tables, row_of
 from hydrohil.shared.units import NS_PER_S
 
 FORMAT = "hydrohil trip report 1"
@@ -47,7 +47,7 @@ class Origin(NamedTuple):
 def trip_report(
     signals: Tables,
     origin: Origin,
-    about: About | None = None,
+    description: PlantDescription | None = None,
     counters: Mapping[str, Any] | None = None,
     changed: Sequence[str] = (),
 ) -> Document | None:
@@ -67,7 +67,7 @@ def trip_report(
         "happened": trip.happened,
         "sample": trip.sample,
         **_when(signals, trip.sample),
-        "stop": stop(signals, trip.sample, about.force.scale if about is not None else N_PER_FORCE_COUNT),
+        "stop": stop(signals, trip.sample, description.force.scale if description is not None else N_PER_FORCE_COUNT),
         "ages": ages(signals, trip.by, trip.sample, origin.receiver),
         "counters": dict(counters or {}),
         "changed": list(changed),
@@ -94,11 +94,11 @@ def newest_trip(signals: Tables) -> Trip | None:
 
 
 def _cut(signals: Tables) -> Trip | None:
-    """The newest cut by which the gate burned an arming of its own accord."""
+    """The newest cut by which the gate revoked an arming of its own accord."""
     events = signals.get(GATE, {})
     for i in reversed(range(len(events.get("state", [])))):
         cause = GateCause(events["cause"][i])
-        if events["state"][i] == GateState.BURNED and cause != GateCause.BURNED_ARMING:
+        if events["state"][i] == GateState.REVOKED and cause != GateCause.REVOKED_ARMING:
             measured, limit = events["measured"][i], events["limit"][i]
             happened = cut_happened(cause, measured, limit)
             return Trip("gate", cause.name, measured, limit, events["number"][i], happened, CUTS.get(cause))
@@ -119,12 +119,12 @@ def stop(signals: Tables, number: int, n_per_count: float) -> Document:
     later = [i for i, n in enumerate(samples.get("number", [])) if n >= number]
     zero = next((i for i in later if tuple(samples[f"dac_counts[{k}]"][i] for k in range(3)) == _ZERO), None)
     forces = [samples["force_counts"][i] * n_per_count for i in later if samples["force_counts"][i] is not None]
-    table, field = (signals[TRUTH], "tip_m") if TRUTH in signals else (signals.get(STATE, {}), "x_m")
+    table, field = (signals[GROUND_TRUTH], "tip_m") if GROUND_TRUTH in signals else (signals.get(STATE, {}), "x_m")
     return {
         "zero_sample": None if zero is None else samples["number"][zero],
         "samples_later": None if zero is None else samples["number"][zero] - number,
         "tip_moved_m": _moved(table, field, number),
-        "tip_from": "the emulator's truth" if TRUTH in signals else "the encoders",
+        "tip_from": "the emulator's truth" if GROUND_TRUTH in signals else "the encoders",
         "force_n": forces[0] if forces else None,
         "force_peak_n": max(forces, key=abs) if len(forces) > 1 else None,
         "samples_after": len(later) - 1 if later else 0,
@@ -140,16 +140,16 @@ def _moved(table: Table, field: str, number: int) -> float | None:
     return max(math.dist(points[0], point) for point in points)
 
 
-def counters_of(receptions: Mapping[str, Reception]) -> Document:
+def counters_of(link_statses: Mapping[str, LinkStats]) -> Document:
     """What each receiver made of the frames that came, by topic and cause; zeros left out, but what was accepted."""
     return {
         receiver: {
             inbox.topic: {
                 name: count for name, count in inbox._asdict().items() if name != "topic" and (count or name == "accepted")
             }
-            for inbox in reception.inboxes
+            for inbox in link_stats.inboxes
         }
-        for receiver, reception in sorted(receptions.items())
+        for receiver, link_stats in sorted(link_statses.items())
     }
 
 

@@ -8,14 +8,14 @@ from typing import Any, NamedTuple
 
 from hydrohil.shared.contract.codec import Received
 from hydrohil.shared.contract.messages import (
-    About,
     GateCause,
     GateEvent,
     GateState,
+    LinkStats,
     Mode,
     ParameterEvent,
     Permit,
-    Reception,
+    PlantDescription,
     Sample,
 )
 from hydrohil.shared.units import NS_PER_S
@@ -33,8 +33,8 @@ class Caught(NamedTuple):
     """A trip with its surroundings."""
 
     messages: dict[str, list[Received]]
-    about: About | None
-    receptions: dict[str, Reception]  # the newest of each receiver
+    description: PlantDescription | None
+    link_statses: dict[str, LinkStats]  # the newest of each receiver
     changes: tuple[ParameterEvent, ...] = ()  # by hand, since the trial began, however long before
 
 
@@ -43,9 +43,9 @@ class TripRing:
 
     def __init__(self) -> None:
         """Nothing heard."""
-        self.about: About | None = None
+        self.description: PlantDescription | None = None
         self._rings: defaultdict[str, deque[Received]] = defaultdict(lambda: deque(maxlen=_DEEPEST))
-        self._receptions: dict[str, Reception] = {}
+        self._link_statses: dict[str, LinkStats] = {}
         self._changes: deque[ParameterEvent] = deque(maxlen=_CHANGES)
         self._plant: int | None = None  # epoch
         self._newest_ns = 0
@@ -56,7 +56,7 @@ class TripRing:
     def take(self, *messages: Received) -> None:
         """Messages of one topic."""
         topic, kind = messages[0].topic, type(messages[0].body)
-        if kind is About or kind is Reception:
+        if kind is PlantDescription or kind is LinkStats:
             self._describe(messages[-1])
         elif kind is ParameterEvent:
             self._changes.extend(message.body for message in messages if message.body.by_hand)
@@ -69,10 +69,10 @@ class TripRing:
             self._forget(topic)
 
     def _describe(self, message: Received) -> None:
-        if isinstance(message.body, About):
-            self.about = message.body
+        if isinstance(message.body, PlantDescription):
+            self.description = message.body
         else:
-            self._receptions[message.header.sender] = message.body
+            self._link_statses[message.header.sender] = message.body
 
     def _take(self, message: Received) -> None:
         body = message.body
@@ -83,7 +83,7 @@ class TripRing:
             if body.mode == Mode.DISARMED and self._tripped_ns is None:
                 self._changes.clear()
         self._rings[message.topic].append(message)
-        if isinstance(body, GateEvent) and body.state == GateState.BURNED and body.cause != GateCause.BURNED_ARMING:
+        if isinstance(body, GateEvent) and body.state == GateState.REVOKED and body.cause != GateCause.REVOKED_ARMING:
             self._trip(message)
 
     def _forget(self, topic: str) -> None:
@@ -128,4 +128,4 @@ class TripRing:
             return
         self._tripped_ns = None
         messages: dict[str, list[Any]] = {topic: list(ring) for topic, ring in self._rings.items()}
-        self._done.append(Caught(messages, self.about, dict(self._receptions), tuple(self._changes)))
+        self._done.append(Caught(messages, self.description, dict(self._link_statses), tuple(self._changes)))

@@ -9,9 +9,16 @@ from hydrohil.shared.contract.columns import column_names
 Table = dict[str, list[Any]]  # one list a column, all of the same length
 Tables = Mapping[str, Table]  # by topic
 
-SAMPLE, GATE, TRUTH = "plant/sample", "plant/gate", "plant/truth"
+SAMPLE, GATE, GROUND_TRUTH = "plant/sample", "plant/gate", "plant/ground_truth"
 COMMAND, STATE, PERMIT = "controller/command", "controller/state", "supervisor/permit"
-STAMPS = ("arrival_ns", "seq", "epoch", "arming", "echo_number", "echo_time_ns")  # of the frame; arrival by the receiver's clock
+STAMPS = (
+    "arrival_ns",
+    "seq",
+    "epoch",
+    "arming_id",
+    "echo_number",
+    "echo_time_ns",
+)  # of the frame; arrival by the receiver's clock
 
 
 def table(messages: Sequence[Received]) -> Table:
@@ -30,7 +37,7 @@ def tables(messages: Mapping[str, Iterable[Received]]) -> dict[str, Table]:
 
 def _row(message: Received) -> tuple[Any, ...]:
     header = message.header
-    row: list[Any] = [message.arrival_ns, header.seq, header.epoch, header.arming, header.echo_number, header.echo_time_ns]
+    row: list[Any] = [message.arrival_ns, header.seq, header.epoch, header.arming_id, header.echo_number, header.echo_time_ns]
     for value in message.body:
         if isinstance(value, tuple):
             row.extend(value)

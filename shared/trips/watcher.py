@@ -22,9 +22,9 @@ def document_of(caught: Caught, utc: str, cell: str, receiver: str, counters: di
     samples = caught.messages.get(SAMPLE)
     header = samples[-1].header if samples else None
     run, experiment = (header.run, header.experiment.hex()) if header else (0, "")
-    counted = counters_of(caught.receptions) | counters
+    counted = counters_of(caught.link_statses) | counters
     origin, changed = Origin(utc, cell, receiver, run, experiment), tuple(map(change_words, caught.changes))
-    return trip_report(tables(caught.messages), origin, caught.about, counted, changed)
+    return trip_report(tables(caught.messages), origin, caught.description, counted, changed)
 
 
 class Trips:

@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 from scipy.integrate import solve_ivp
 
-from hydrohil.services.controller.adaptation import LEAST_SHARE, adapted_step, braked, force_excess, melted, relief_step
+from hydrohil.services.controller.adaptation import LEAST_SHARE, adapted_step, braked, force_excess, softened, stiffness_loss_step
 from hydrohil.services.controller.impedance import impedance_step, rest
 from hydrohil.services.controller.params import (
     ADAPT_LIMIT_SWITCH,
@@ -29,14 +29,14 @@ def adaptation(kind, onset_n=20.0, ceiling_n=100.0, melting=20.0, retreat=0.2, s
 
 
 def run(kind, forces, nominal=None, params=TARGET, dts=None, **changed):
-    state, made, out, relief = rest(ZERO, ZERO), adaptation(kind, **changed), [], []
+    state, made, out, stiffness_loss = rest(ZERO, ZERO), adaptation(kind, **changed), [], []
     nominal = np.zeros((len(forces), 3)) if nominal is None else nominal
     for n, force in enumerate(forces):
         dt_s = DT_S if dts is None else float(dts[n])
         state, x_set = adapted_step(state, params, made, tuple(nominal[n].tolist()), float(force), float(force), dt_s)
         out.append(x_set)
-        relief.append(state.relief)
-    return np.array(out), np.array(relief), state
+        stiffness_loss.append(state.stiffness_loss)
+    return np.array(out), np.array(stiffness_loss), state
 
 
 def push(count=400, seed=1):
@@ -65,10 +65,10 @@ def test_without_adaptation_it_is_the_step_of_the_target_alone():
 @pytest.mark.parametrize("kind", KINDS)
 def test_a_force_up_to_the_onset_changes_nothing(kind):
     forces = np.full(100, 20.0)
-    got, relief, _ = run(kind, forces, path(100))
+    got, stiffness_loss, _ = run(kind, forces, path(100))
     plain, _, _ = run(ADAPT_NONE, forces, path(100))
     assert np.array_equal(got, plain)
-    assert not relief.any()
+    assert not stiffness_loss.any()
 
 
 @pytest.mark.parametrize("kind", KINDS)
@@ -90,7 +90,7 @@ def test_it_gives_way_in_the_direction_of_the_push(kind, sign):
 
 
 def test_melting_keeps_mass_and_damping_ratio_so_that_the_damper_softens_too():
-    soft = melted(TARGET, 0.75)
+    soft = softened(TARGET, 0.75)
     assert soft.stiffness_n_per_m == pytest.approx(0.25 * K)
     assert soft.stiffness_n_per_m / soft.natural_frequency_rad_per_s**2 == pytest.approx(MASS)
     assert soft.damping_ratio == XI
@@ -107,37 +107,37 @@ def test_the_spring_melts_as_its_rate_says_and_freezes_with_its_time_constant():
     def change(_, share):
         return -20.0 * 0.5 * share  # excess 0.5 at 60 N
 
-    _, relief, _ = run(ADAPT_STIFFNESS, np.full(40, 60.0))
+    _, stiffness_loss, _ = run(ADAPT_STIFFNESS, np.full(40, 60.0))
     want = solve_ivp(change, (0.0, 40 * DT_S), (1.0,), rtol=1e-10, atol=1e-12).y[0, -1]
-    assert 1.0 - relief[-1] == pytest.approx(want, rel=1e-7)
+    assert 1.0 - stiffness_loss[-1] == pytest.approx(want, rel=1e-7)
     _, back, _ = run(ADAPT_STIFFNESS, np.concatenate((np.full(40, 60.0), np.zeros(444))))
-    assert back[-1] == pytest.approx(relief[-1] * math.exp(-444 * DT_S / 2.0))
+    assert back[-1] == pytest.approx(stiffness_loss[-1] * math.exp(-444 * DT_S / 2.0))
 
 
 def test_a_spring_never_melts_away():
-    _, relief, _ = run(ADAPT_STIFFNESS, np.full(4000, 500.0))
-    assert relief[-1] == 1.0 - LEAST_SHARE
+    _, stiffness_loss, _ = run(ADAPT_STIFFNESS, np.full(4000, 500.0))
+    assert stiffness_loss[-1] == 1.0 - LEAST_SHARE
 
 
 def test_the_offset_grows_with_the_retreat_speed_at_the_ceiling_and_fades():
-    _, relief, _ = run(ADAPT_OFFSET, np.concatenate((np.full(100, 100.0), np.zeros(444))))
-    assert relief[99] == pytest.approx(0.2 * 100 * DT_S)
-    assert relief[-1] == pytest.approx(relief[99] * math.exp(-444 * DT_S / 2.0))
+    _, stiffness_loss, _ = run(ADAPT_OFFSET, np.concatenate((np.full(100, 100.0), np.zeros(444))))
+    assert stiffness_loss[99] == pytest.approx(0.2 * 100 * DT_S)
+    assert stiffness_loss[-1] == pytest.approx(stiffness_loss[99] * math.exp(-444 * DT_S / 2.0))
 
 
 def test_the_stop_pushes_with_its_force_at_the_ceiling_and_leaves_no_trace():
-    got, relief, _ = run(ADAPT_LIMIT_SWITCH, np.full(20_000, 100.0))
+    got, stiffness_loss, _ = run(ADAPT_LIMIT_SWITCH, np.full(20_000, 100.0))
     assert got[-1, 2] == pytest.approx((100.0 + 100.0) / K)
-    assert not relief.any()
+    assert not stiffness_loss.any()
 
 
 def test_a_melting_target_follows_its_differential_equation():
     # m x'' + c(t) (x' - xd') + k(t) (x - xd) = f with the k of each sample, c = 2 xi sqrt(m k); the staircase xd kicks by c/m dx
     forces, nominal = push(), path()
     dts = np.random.default_rng(3).uniform(0.004, 0.005, len(forces))
-    got, relief, _ = run(ADAPT_STIFFNESS, forces, nominal, dts=dts)
+    got, stiffness_loss, _ = run(ADAPT_STIFFNESS, forces, nominal, dts=dts)
     x, v, last = 0.0, 0.0, 0.0
-    for force, target, gone, dt_s in zip(forces, nominal[:, 2], relief, dts, strict=True):
+    for force, target, gone, dt_s in zip(forces, nominal[:, 2], stiffness_loss, dts, strict=True):
         c = C * math.sqrt(1.0 - gone)
         v += c / MASS * (target - last)
 
@@ -145,7 +145,7 @@ def test_a_melting_target_follows_its_differential_equation():
             return (s[1], (force - c * s[1] - (1.0 - gone) * K * (s[0] - target)) / MASS)
 
         (x, v), last = solve_ivp(change, (0.0, dt_s), (x, v), rtol=1e-11, atol=1e-14).y[:, -1], target
-    assert relief.max() == 1.0 - LEAST_SHARE
+    assert stiffness_loss.max() == 1.0 - LEAST_SHARE
     assert got[-1, 2] == pytest.approx(x, abs=1e-9)
 
 
@@ -191,7 +191,7 @@ def test_an_adapting_stiffness_feeds_no_energy_into_a_model_that_only_gives_way(
         state, _ = adapted_step(state, TARGET, made, ZERO, float(force), float(force), DT_S)
         x, v = state.force_offset_m, state.force_velocity_m_per_s
         work += force * (x - before)
-        energy = 0.5 * MASS * v * v + 0.5 * K * (1.0 - state.relief) * x * x
+        energy = 0.5 * MASS * v * v + 0.5 * K * (1.0 - state.stiffness_loss) * x * x
         assert energy <= work + 1e-9
         before = x
 
@@ -224,12 +224,12 @@ def test_against_a_spring_the_steady_force_falls_below_that_of_the_target_alone(
 
 
 def test_no_input_leaves_the_domain_and_compiled_agrees_in_every_bit():
-    fast, fast_relief = compiled(adapted_step), compiled(relief_step)
+    fast, fast_stiffness_loss = compiled(adapted_step), compiled(stiffness_loss_step)
     _, _, state = run(ADAPT_STIFFNESS, push(50))
     for kind in (ADAPT_NONE, *KINDS):
         made = adaptation(kind)
         for value in (math.nan, math.inf, -math.inf, 0.0, 20.0, 1e-320, 1e308, 77.7):
             for dt_s in (DT_S, 0.0, -1.0, math.nan):
-                assert repr(relief_step(0.25, made, value, dt_s)) == repr(fast_relief(0.25, made, value, dt_s))
+                assert repr(stiffness_loss_step(0.25, made, value, dt_s)) == repr(fast_stiffness_loss(0.25, made, value, dt_s))
                 plain = adapted_step(state, TARGET, made, (0.1, 0.2, 0.3), value, value, dt_s)
                 assert repr(plain) == repr(fast(state, TARGET, made, (0.1, 0.2, 0.3), value, value, dt_s))

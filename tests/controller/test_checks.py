@@ -4,14 +4,14 @@ import pytest
 
 from hydrohil.services.controller.checks import check
 from hydrohil.services.controller.config import AdaptationConfig, ControllerConfig, ImpedanceConfig, Segment, controller_params
-from hydrohil.services.controller.contact_environment import Surroundings
+from hydrohil.services.controller.contact_environment import ContactEnvironment
 from hydrohil.services.controller.kinematics import inverse
 from hydrohil.services.controller.params import FORMULATION_MEASURED
 from hydrohil.shared.contract.converters import UNIMATE_CONVERTERS, UNIMATE_ENCODERS, UNIMATE_FORCE
-from hydrohil.shared.contract.messages import About
+from hydrohil.shared.contract.messages import PlantDescription
 from hydrohil.shared.contract.pose import UNIMATE_GEOMETRY, forward
 
-ABOUT = About(
+DESCRIPTION = PlantDescription(
     "unimate", UNIMATE_ENCODERS, UNIMATE_FORCE, UNIMATE_CONVERTERS, 4_500_000, 4_000_000, 20_000_000, 20_000_000, 420.0, 0, -1.0
 )
 
@@ -103,7 +103,7 @@ def test_force_control_formulations_and_links_that_do_not_fit_are_refused_in_one
 def test_what_acts_and_how_the_target_is_formulated_reach_the_kernel_as_numbers():
     check(EXPLICIT, (Segment("force", "step", amount=50.0),), POSE)
     check(ControllerConfig(impedance=MEASURED), (Segment("z", "step", amount=0.01),), POSE)
-    params = controller_params(ControllerConfig(impedance=MEASURED, acting=(False, True, False)), ABOUT, -444)
+    params = controller_params(ControllerConfig(impedance=MEASURED, acting=(False, True, False)), DESCRIPTION, -444)
     assert (params.acting, params.impedance.formulation) == ((0, 1, 0), FORMULATION_MEASURED)
     assert params.impedance.environment_n_per_m == 25e3
 
@@ -111,7 +111,7 @@ def test_what_acts_and_how_the_target_is_formulated_reach_the_kernel_as_numbers(
 SOFT_TARGET = ControllerConfig(impedance=ImpedanceConfig(125.0, 500.0, 1.0, "model", 6200.0))
 
 
-FREE, PLATE = Surroundings("free", 0.0, 2, 1.0, 0.0), Surroundings("plate", 6231.0, 2, 1.0, -0.37)
+FREE, PLATE = ContactEnvironment("free", 0.0, 2, 1.0, 0.0), ContactEnvironment("plate", 6231.0, 2, 1.0, -0.37)
 
 
 def push(amount):

@@ -14,9 +14,9 @@ from hydrohil.services.controller.config import (
 )
 from hydrohil.services.controller.params import TARGET_JOINT, UNIMATE_GAINS
 from hydrohil.shared.contract.converters import UNIMATE_CONVERTERS, UNIMATE_ENCODERS, UNIMATE_FORCE
-from hydrohil.shared.contract.messages import About
+from hydrohil.shared.contract.messages import PlantDescription
 
-ABOUT = About(
+DESCRIPTION = PlantDescription(
     "unimate", UNIMATE_ENCODERS, UNIMATE_FORCE, UNIMATE_CONVERTERS, 4_500_000, 4_000_000, 20_000_000, 20_000_000, 420.0, 0, -1.0
 )
 
@@ -74,7 +74,7 @@ def test_compensation_makes_the_steady_force_the_set_point():
 
 def test_the_mean_of_three_has_no_cutoff_and_only_the_bounded_filter_knows_the_noise():
     mean, low_pass, bounded = (
-        controller_params(ControllerConfig(impedance=ImpedanceConfig(force_filter=kind, force_cutoff_hz=2)), ABOUT, -444)
+        controller_params(ControllerConfig(impedance=ImpedanceConfig(force_filter=kind, force_cutoff_hz=2)), DESCRIPTION, -444)
         for kind in ("mean", "butterworth", "bounded")
     )
     assert (mean.force_cutoff_rad_per_s, low_pass.force_cutoff_rad_per_s) == (0.0, 4.0 * math.pi)
@@ -88,7 +88,7 @@ def test_kernel_parameters_hold_floats_even_where_ints_were_written():
         recover_current_a=(0, 0, 0),
         adaptation=AdaptationConfig("stiffness", 20, 100, 20, 1, 100, 1000, 2),
     )
-    params = controller_params(config, ABOUT, -444)
+    params = controller_params(config, DESCRIPTION, -444)
     assert all(type(value) is float for gains in params.gains for value in gains)
     assert [type(value) for value in params.impedance] == [float, float, float, float, int, float, float, int]
     assert all(type(value) is float for value in params.recover_current_a)
@@ -98,7 +98,7 @@ def test_kernel_parameters_hold_floats_even_where_ints_were_written():
 
 
 def test_the_machine_states_where_the_gauge_is_mounted_and_which_way_it_is_pushed():
-    params = controller_params(JOINT, ABOUT, -10)
+    params = controller_params(JOINT, DESCRIPTION, -10)
     assert (params.impedance.force_axis, params.impedance.force_sign, params.target) == (0, -1.0, TARGET_JOINT)
 
 
@@ -110,7 +110,7 @@ def test_a_row_names_its_channel_and_kind_by_number_and_is_all_floats():
 
 def test_a_force_error_knows_no_dead_zone_and_a_position_error_does():
     for target, dead_zones in (("explicit", {0.0}), ("impedance", {g.error_dead_zone_rad for g in UNIMATE_GAINS})):
-        params = controller_params(ControllerConfig(target=target), ABOUT, -444)
+        params = controller_params(ControllerConfig(target=target), DESCRIPTION, -444)
         assert {gains.error_dead_zone_rad for gains in params.gains} == dead_zones
 
 

@@ -2,13 +2,15 @@ import pytest
 from scipy.optimize import brentq
 
 from hydrohil.experiment.experiment import to_plain
-from hydrohil.services.controller.contact_environment import resting_m, surroundings
+from hydrohil.services.controller.contact_environment import contact_environment, resting_m
 from hydrohil.services.plant.config import PlantConfig
 from hydrohil.services.plant.params import UNIMATE, Environment, contact_params
 
 
 def met(kind, surface_m=0.0, stiffness=7208.0):
-    return surroundings(to_plain(PlantConfig(environment=Environment(kind, stiffness_n_per_m=stiffness, surface_m=surface_m))))
+    return contact_environment(
+        to_plain(PlantConfig(environment=Environment(kind, stiffness_n_per_m=stiffness, surface_m=surface_m)))
+    )
 
 
 @pytest.mark.parametrize("kind", ["free", "plate", "crate"])
@@ -26,7 +28,7 @@ def test_plate_and_gauge_are_springs_in_series_and_a_standing_crate_leaves_the_g
 
 def test_what_is_no_section_of_a_plant_is_told():
     with pytest.raises(KeyError, match="environment"):
-        surroundings({})
+        contact_environment({})
 
 
 def test_in_free_space_the_tool_goes_down_by_the_springs_deflection():

@@ -9,7 +9,7 @@ from hypothesis import strategies as st
 
 from hydrohil.services.controller.checks import CHECKED_AT_ONCE, check, examine
 from hydrohil.services.controller.config import AdaptationConfig, ControllerConfig, ImpedanceConfig, Segment, controller_params
-from hydrohil.services.controller.contact_environment import Surroundings
+from hydrohil.services.controller.contact_environment import ContactEnvironment
 from hydrohil.services.controller.parameter_change import (
     FIXED,
     RAMPED,
@@ -26,13 +26,13 @@ from hydrohil.services.controller.parameter_change import (
 )
 from hydrohil.services.controller.step import Handover, control_start
 from hydrohil.services.plant.config import GateLimits, PlantConfig
-from hydrohil.services.plant.plant_description import about
+from hydrohil.services.plant.plant_description import describe
 
-ABOUT = about(PlantConfig(), GateLimits())
+DESCRIPTION = describe(PlantConfig(), GateLimits())
 PERIOD_NS = 4_500_000
 RAMP = 111  # 0.5 s
 LOADED = ControllerConfig(adaptation=AdaptationConfig(kind="offset"))
-MEMORY = control_start(controller_params(LOADED, ABOUT, -10))
+MEMORY = control_start(controller_params(LOADED, DESCRIPTION, -10))
 DIFFERENT = {  # any other value of what stays
     "target": "joint",
     "acting": "[true, false, true]",
@@ -208,7 +208,7 @@ def test_the_tight_limit_of_an_earlier_change_is_not_shortened_and_without_tight
 def test_a_configuration_is_examined_in_short_steps_as_it_is_checked():
     config = ControllerConfig(impedance=ImpedanceConfig(500.0, 50e3, 1.2, "net", 6200.0))
     reference = (Segment("force", "sine", 0.0, 10.0, 100.0, frequency_hz=0.5),)
-    met = Surroundings("free", 0.0, 2, 1.0, 0.0)
+    met = ContactEnvironment("free", 0.0, 2, 1.0, 0.0)
     start = (0.0, 0.0, 0.212)
     check(config, reference, start, 0.0, met)
     assert len(list(examine(config, reference, start, 0.0, met))) == 1001 // CHECKED_AT_ONCE

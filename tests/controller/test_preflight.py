@@ -2,12 +2,12 @@ import pytest
 
 from hydrohil.experiment.experiment import to_plain, warnings
 from hydrohil.services.controller.config import ControllerConfig, ImpedanceConfig
-from hydrohil.services.controller.contact_environment import Surroundings, surroundings
+from hydrohil.services.controller.contact_environment import ContactEnvironment, contact_environment
 from hydrohil.services.controller.preflight import preflight
 from hydrohil.thesis.library import find
 
-PLATE = Surroundings("plate", 6231.0, 2, 1.0, 0.0)
-FREE = Surroundings("free", 0.0, 2, 1.0, 0.0)
+PLATE = ContactEnvironment("plate", 6231.0, 2, 1.0, 0.0)
+FREE = ContactEnvironment("free", 0.0, 2, 1.0, 0.0)
 
 
 def target(stiffness, estimate=6200.0, **fields):
@@ -53,5 +53,5 @@ def test_nothing_is_told_where_no_target_meets_an_environment():
 def test_the_trials_of_the_thesis_are_told_apart(name, words):
     experiment = find(name)
     told = warnings(experiment)
-    assert told == preflight(experiment.controller, surroundings(to_plain(experiment.plant)))
+    assert told == preflight(experiment.controller, contact_environment(to_plain(experiment.plant)))
     assert [f" {words} limit-cycle" in line for line in told] == ([True] if words else [])

@@ -15,15 +15,15 @@ from hydrohil.shared.contract.envelope import seal
 from hydrohil.shared.contract.messages import NO_TRIAL, GateState, ParameterEvent
 from hydrohil.shared.transport.requests import Request
 from hydrohil.thesis.library import find
-from tests.support.supervisor_scene import ABOUT, sample
+from tests.support.supervisor_scene import DESCRIPTION, sample
 from tests.support.wire_scene import FakeBus, header
 
 
-def loaded(experiment: Experiment, about=ABOUT):
+def loaded(experiment: Experiment, description=DESCRIPTION):
     """(accepted, reason, values) of a controller that has heard of the plant."""
     controller, answers = Controller(FakeBus()), []
-    controller.about = about
-    text = seal(to_plain(experiment), run=7, seed=1, clock="lockstep", bias_ticks=444, duration_ticks=100)
+    controller.description = description
+    text = seal(to_plain(experiment), run=7, seed=1, clock="lockstep", tare_ticks=444, duration_ticks=100)
     controller._serve(Request("load", {"envelope": text}, lambda *answer: answers.append(answer)))
     ((accepted, reason, values),) = answers
     return accepted, reason, values if isinstance(values, dict) else json.loads(values or "{}")
@@ -45,7 +45,7 @@ def test_a_force_set_point_beyond_the_travel_is_refused_with_the_bound():
 
 
 def test_a_load_without_a_plant_is_refused():
-    accepted, reason, _ = loaded(find("fig-7-1"), about=None)
+    accepted, reason, _ = loaded(find("fig-7-1"), description=None)
     assert not accepted and "has not described itself" in reason
 
 
@@ -58,35 +58,35 @@ def test_a_load_without_a_plant_is_refused():
 )
 def test_a_foreign_plant_section_is_refused_and_the_controller_lives_on(wrong):
     controller, answers = Controller(FakeBus()), []
-    controller.about = ABOUT
+    controller.description = DESCRIPTION
     experiment = to_plain(find("fig-7-1"))
     experiment["plant"] |= wrong
-    text = seal(experiment, run=7, seed=1, clock="lockstep", bias_ticks=444, duration_ticks=100)
+    text = seal(experiment, run=7, seed=1, clock="lockstep", tare_ticks=444, duration_ticks=100)
     controller._serve(Request("load", {"envelope": text}, lambda *answer: answers.append(answer)))
     ((accepted, reason, _),) = answers
     assert not accepted and reason
 
 
-def test_what_came_is_told_once_a_second_and_when_the_gate_is_burned():
+def test_what_came_is_told_once_a_second_and_when_the_gate_is_revoked():
     controller = Controller(FakeBus())
-    controller._learn(ABOUT)
+    controller._learn(DESCRIPTION)
     for number in range(300):
-        gate = GateState.BURNED if 250 <= number < 260 else GateState.SHUT
+        gate = GateState.REVOKED if 250 <= number < 260 else GateState.SHUT
         head = header("plant/sample", number)
         controller._answer(Received(0, "plant/sample", head, sample(number, gate=int(gate))))
-    assert [told.number for told in controller.bus.of("controller/reception")] == [0, 222, 250]
+    assert [told.number for told in controller.bus.of("controller/link_stats")] == [0, 222, 250]
 
 
 def test_a_lockstep_commit_after_an_injection_is_refused_and_nothing_has_changed():
     bus, answers = FakeBus("controller"), []
     controller = Controller(bus)
-    controller.about = ABOUT
+    controller.description = DESCRIPTION
 
     def ask(verb, **arguments):
         controller._serve(Request(verb, arguments, lambda *answer: answers.append(answer)))
         return answers[-1]
 
-    text = seal(to_plain(find("fig-7-1")), run=7, seed=1, clock="lockstep", bias_ticks=444, duration_ticks=100)
+    text = seal(to_plain(find("fig-7-1")), run=7, seed=1, clock="lockstep", tare_ticks=444, duration_ticks=100)
     digest = ask("load", envelope=text)[2]["digest"]
     before = controller.config
     assert ask("inject", fault={"kind": "loss", "target": "plant>controller", "value": 0.5})[0]
@@ -95,7 +95,7 @@ def test_a_lockstep_commit_after_an_injection_is_refused_and_nothing_has_changed
     assert controller.config == before and bus.run.run == 0
 
 
-PERIOD_NS = ABOUT.sample_period_ns
+PERIOD_NS = DESCRIPTION.sample_period_ns
 
 
 class Cell:
@@ -104,8 +104,8 @@ class Cell:
     def __init__(self, experiment, clock="real"):
         self.bus, self.number, self.dac = FakeBus("controller"), 0, (2048, 2048, 2048)
         self.controller = Controller(self.bus)
-        self.controller._learn(ABOUT)
-        text = seal(to_plain(experiment), run=7, seed=1, clock=clock, bias_ticks=30, duration_ticks=10_000)
+        self.controller._learn(DESCRIPTION)
+        text = seal(to_plain(experiment), run=7, seed=1, clock=clock, tare_ticks=30, duration_ticks=10_000)
         accepted, reason, values = self.ask("load", envelope=text)
         assert accepted, reason
         assert self.ask("commit", digest=values["digest"])[0]
@@ -152,7 +152,7 @@ def test_a_change_acts_at_the_next_sample_which_the_answer_names_and_is_told_val
     ((accepted, _, values),) = cell.answers
     assert accepted and values["number"] == number and values["ramp_samples"] == 1
     assert [one["path"] for one in values["changed"]] == ["controller.law", "controller.gains.down_up.kp_a_per_rad"]
-    law, gain = cell.bus.of("controller/changed")
+    law, gain = cell.bus.of("controller/parameter_change")
     assert law == ParameterEvent(number, 41, 1, "controller.law", '"final"', '"pi"', 1)
     assert (gain.old, gain.new) == (repr(before.gains[1].kp_a_per_rad), "3.0")
     assert cell.controller.params == before._replace(
@@ -162,41 +162,41 @@ def test_a_change_acts_at_the_next_sample_which_the_answer_names_and_is_told_val
     assert cell.controller.status()["changed"][0] == 'controller.law "final" -> "pi"'
 
 
-def heralded(cell, number):
-    """Rehearsals so far, after a herald of sample `number`, which changes no memory and publishes nothing."""
+def warmed_up(cell, number):
+    """Rehearsals so far, after a warm-up frame of sample `number`, which changes no memory and publishes nothing."""
     before = cell.controller.memory, len(cell.bus.published)
     cell.bus.send(
-        "plant/herald", header("plant/herald", number, echo_number=number), sample(number, 40, gate=int(GateState.OPEN))
+        "plant/warmup", header("plant/warmup", number, echo_number=number), sample(number, 40, gate=int(GateState.OPEN))
     )
     cell.controller.step()
     assert (cell.controller.memory, len(cell.bus.published)) == before
-    return cell.controller.status()["rehearsed"]
+    return cell.controller.status()["warmed_up"]
 
 
-def test_a_herald_of_the_last_sample_is_rehearsed_and_leaves_no_trace():
+def test_a_warmup_of_the_last_sample_is_rehearsed_and_leaves_no_trace():
     cell, other = Cell(SWING), Cell(SWING)
     for one in (cell, other):
         head = header("plant/sample", 0, echo_number=0)
         one.bus.send("plant/sample", head, sample(0, -30))
         one.controller.step()
-    assert heralded(cell, 0) == 1
+    assert warmed_up(cell, 0) == 1
     assert cell.to_tick(40).bus.of("controller/command") == other.to_tick(40).bus.of("controller/command")
 
 
 @pytest.mark.parametrize("number", [1, -1])
-def test_a_herald_of_another_sample_is_left_alone(number):
+def test_a_warmup_of_another_sample_is_left_alone(number):
     cell = Cell(SWING)
     cell.bus.send("plant/sample", header("plant/sample", 0, echo_number=0), sample(0, -30))
     cell.controller.step()
-    assert heralded(cell, number) == 0
+    assert warmed_up(cell, number) == 0
 
 
-def test_a_herald_before_the_plant_has_described_itself_is_left_alone():
+def test_a_warmup_before_the_plant_has_described_itself_is_left_alone():
     bus = FakeBus("controller")
     controller = Controller(bus)
-    bus.send("plant/herald", header("plant/herald"), sample(0))
+    bus.send("plant/warmup", header("plant/warmup"), sample(0))
     controller.step()
-    assert controller.status()["rehearsed"] == 0
+    assert controller.status()["warmed_up"] == 0
 
 
 def test_after_the_trial_and_after_a_load_the_loaded_values_are_back():
@@ -224,7 +224,7 @@ def test_a_target_moves_sample_by_sample_and_ends_at_what_was_asked():
         assert seen == pytest.approx(50e3 * 2.0 ** (min(1.0, (tick - 40) / 111)))
     assert seen == 100e3
     assert cell.answers[0][2]["warnings"] == []
-    (told,) = cell.bus.of("controller/changed")
+    (told,) = cell.bus.of("controller/parameter_change")
     assert (told.tick, told.ramp_samples, told.old, told.new) == (41, 111, "50000.0", "100000.0")
 
 
@@ -249,7 +249,7 @@ def test_a_soft_target_whose_push_leaves_the_travel_is_refused_as_at_a_load():
     ((accepted, reason, _),) = cell.answers
     assert not accepted and "beyond the travel" in reason
     cell.sample(41)
-    assert cell.controller.params == before and not cell.bus.of("controller/changed")
+    assert cell.controller.params == before and not cell.bus.of("controller/parameter_change")
 
 
 @pytest.mark.parametrize(
@@ -274,7 +274,7 @@ def test_what_may_not_be_is_refused_at_once_and_nothing_changes(wanted, words):
     accepted, reason, _ = cell.ask("parameters", set=wanted)
     assert not accepted and words in reason
     cell.sample(41)
-    assert cell.controller.params == before and not cell.bus.of("controller/changed")
+    assert cell.controller.params == before and not cell.bus.of("controller/parameter_change")
 
 
 def test_without_an_experiment_outside_a_trial_and_in_lockstep_it_is_refused():
@@ -296,7 +296,7 @@ def test_a_second_change_waits_for_the_first_and_one_that_the_trials_end_overtak
     assert "another change" in cell.ask("parameters", set=["controller.law=morse"])[1]
     cell.sample()
     assert not first[0][0] and "ended before" in first[0][1]
-    assert not cell.bus.of("controller/changed")
+    assert not cell.bus.of("controller/parameter_change")
 
 
 def test_what_the_experiment_schedules_acts_at_its_tick_in_every_trial_and_is_told_as_such():
@@ -310,7 +310,7 @@ def test_what_the_experiment_schedules_acts_at_its_tick_in_every_trial_and_is_to
         assert "lockstep" in cell.ask("parameters", set=["controller.law=morse"])[1]
         cell.sample()
         assert cell.controller.params.law == LAW_FINAL
-    assert [(told.tick, told.by_hand) for told in cell.bus.of("controller/changed")] == [(20, 0), (20, 0)]
+    assert [(told.tick, told.by_hand) for told in cell.bus.of("controller/parameter_change")] == [(20, 0), (20, 0)]
     real = Cell(SWING._replace(changes=changes)).to_tick(3)
     assert "[[changes]]" in real.ask("parameters", set=["controller.law=morse"])[1]
 
@@ -325,8 +325,8 @@ def test_what_the_experiment_schedules_acts_at_its_tick_in_every_trial_and_is_to
 )
 def test_a_schedule_that_may_not_be_is_refused_with_the_load(change, words):
     controller, answers = Controller(FakeBus()), []
-    controller.about = ABOUT
-    text = seal(to_plain(SWING) | {"changes": [change]}, run=7, seed=1, clock="real", bias_ticks=444, duration_ticks=100)
+    controller.description = DESCRIPTION
+    text = seal(to_plain(SWING) | {"changes": [change]}, run=7, seed=1, clock="real", tare_ticks=444, duration_ticks=100)
     controller._serve(Request("load", {"envelope": text}, lambda *answer: answers.append(answer)))
     ((accepted, reason, _),) = answers
     assert not accepted and words in reason

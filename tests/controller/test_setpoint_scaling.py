@@ -4,10 +4,10 @@ import numpy as np
 import pytest
 from scipy.integrate import solve_ivp
 
-from hydrohil.services.controller.config import ImpedanceConfig, apparent_params, impedance_params
+from hydrohil.services.controller.config import ImpedanceConfig, impedance_params, setpoint_scaling_params
 from hydrohil.services.controller.impedance import impedance_step, rest
-from hydrohil.services.controller.params import ApparentParams
-from hydrohil.services.controller.setpoint_scaling import Withheld, withhold
+from hydrohil.services.controller.params import SetpointScalingParams
+from hydrohil.services.controller.setpoint_scaling import Offset, withhold
 from hydrohil.shared.compiled.kernel import compiled
 
 DT_S = 0.0045
@@ -18,12 +18,12 @@ CONFIG = ImpedanceConfig(500.0, STIFF, 1.2, "net", K_EFF, apparent_stiffness_n_p
 
 def pressed(config, depth_m, ramp_s=2.0, end_s=12.0):
     """Set-point depth and force of an ideal tool on a spring k_eff, whose nominal position goes `depth_m` below the surface."""
-    target, apparent = impedance_params(config, 2, 1.0), apparent_params(config)
-    state, withheld, force_n, depths = rest(ZERO, ZERO), Withheld(0.0, ZERO), 1e-9, []
+    target, apparent = impedance_params(config, 2, 1.0), setpoint_scaling_params(config)
+    state, offset, force_n, depths = rest(ZERO, ZERO), Offset(0.0, ZERO), 1e-9, []
     for tick in range(round(end_s / DT_S)):
         nominal = (0.0, 0.0, -depth_m * min(1.0, tick * DT_S / ramp_s))
-        withheld = withhold(withheld, apparent, 2, nominal, force_n)
-        compensated = (nominal[0], nominal[1], nominal[2] - withheld.withheld_m)
+        offset = withhold(offset, apparent, 2, nominal, force_n)
+        compensated = (nominal[0], nominal[1], nominal[2] - offset.offset_m)
         state, x = impedance_step(state, target, compensated, force_n, DT_S)
         force_n = config.environment_n_per_m * max(1e-12, -x[2])
         depths.append(-x[2])
@@ -57,42 +57,42 @@ def test_the_way_there_is_that_of_the_stiff_target_under_the_smaller_ramp():
 
 def test_without_contact_and_without_an_apparent_stiffness_nothing_is_withheld():
     path = [(0.0, 0.0, -0.001 * n) for n in range(50)]
-    for params, force_n in ((apparent_params(CONFIG), 0.0), (apparent_params(ImpedanceConfig()), 300.0)):
-        state = Withheld(0.0, ZERO)
+    for params, force_n in ((setpoint_scaling_params(CONFIG), 0.0), (setpoint_scaling_params(ImpedanceConfig()), 300.0)):
+        state = Offset(0.0, ZERO)
         for nominal in path:
             state = withhold(state, params, 2, nominal, force_n)
-        assert state == Withheld(0.0, path[-1])
+        assert state == Offset(0.0, path[-1])
 
 
 def test_contact_is_confirmed_above_its_threshold_and_not_on_it():
-    params = ApparentParams(0.25, 10.0)
-    assert withhold(Withheld(0.0, ZERO), params, 2, (0.0, 0.0, -0.04), 10.0).withheld_m == 0.0
+    params = SetpointScalingParams(0.25, 10.0)
+    assert withhold(Offset(0.0, ZERO), params, 2, (0.0, 0.0, -0.04), 10.0).offset_m == 0.0
     above = math.nextafter(10.0, 11.0)
-    assert withhold(Withheld(0.0, ZERO), params, 2, (0.0, 0.0, -0.04), above).withheld_m == pytest.approx(-0.03)
-    assert withhold(Withheld(0.0, ZERO), params, 2, (0.0, 0.0, -0.04), math.nan).withheld_m == 0.0
+    assert withhold(Offset(0.0, ZERO), params, 2, (0.0, 0.0, -0.04), above).offset_m == pytest.approx(-0.03)
+    assert withhold(Offset(0.0, ZERO), params, 2, (0.0, 0.0, -0.04), math.nan).offset_m == 0.0
 
 
 @pytest.mark.parametrize("axis", [0, 2])
 def test_only_steps_along_the_gauge_are_compensated(axis):
-    params, step = ApparentParams(0.25, 10.0), [0.01, 0.02, 0.04]
-    assert withhold(Withheld(0.0, ZERO), params, axis, tuple(step), 50.0).withheld_m == pytest.approx(0.75 * step[axis])
+    params, step = SetpointScalingParams(0.25, 10.0), [0.01, 0.02, 0.04]
+    assert withhold(Offset(0.0, ZERO), params, axis, tuple(step), 50.0).offset_m == pytest.approx(0.75 * step[axis])
 
 
 def test_what_is_withheld_on_the_way_in_is_given_back_on_the_way_out():
-    params, state = ApparentParams(0.25, 10.0), Withheld(0.0, ZERO)
+    params, state = SetpointScalingParams(0.25, 10.0), Offset(0.0, ZERO)
     for z_m in (*np.linspace(0.0, -0.06, 40), *np.linspace(-0.06, 0.0, 25)):
         state = withhold(state, params, 2, (0.0, 0.0, float(z_m)), 50.0)
-    assert state.withheld_m == pytest.approx(0.0, abs=1e-15)
+    assert state.offset_m == pytest.approx(0.0, abs=1e-15)
 
 
 def test_an_apparent_stiffness_near_that_of_the_target_withholds_next_to_nothing():
-    assert apparent_params(CONFIG._replace(apparent_stiffness_n_per_m=STIFF)).share == 1.0
-    assert apparent_params(CONFIG).share == pytest.approx(1500.0 * 26231.0 / (20e3 * 7731.0))
+    assert setpoint_scaling_params(CONFIG._replace(apparent_stiffness_n_per_m=STIFF)).share == 1.0
+    assert setpoint_scaling_params(CONFIG).share == pytest.approx(1500.0 * 26231.0 / (20e3 * 7731.0))
 
 
 def test_compiled_agrees_in_every_bit():
     fast = compiled(withhold)
     for value in (math.nan, math.inf, -math.inf, 0.0, -1.0, 10.0, 11.0, 1e308):
         for share in (1.0, 0.25):
-            arguments = (Withheld(0.001, (0.1, 0.2, 0.3)), ApparentParams(share, 10.0), 2, (0.1, value, 0.7), value)
+            arguments = (Offset(0.001, (0.1, 0.2, 0.3)), SetpointScalingParams(share, 10.0), 2, (0.1, value, 0.7), value)
             assert repr(withhold(*arguments)) == repr(fast(*arguments))

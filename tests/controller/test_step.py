@@ -26,18 +26,20 @@ from hydrohil.shared.contract.converters import (
     code_to_current,
     current_to_code,
 )
-from hydrohil.shared.contract.messages import NO_TRIAL, About, GateState, Sample
+from hydrohil.shared.contract.messages import NO_TRIAL, GateState, PlantDescription, Sample
 
 PERIOD_NS = 4_500_000
 DT_S = PERIOD_NS * 1e-9
 FIRST = -30
 COUNTS = (4031, 971, 207, 0, 33)
-SHUT, OPEN, BURNED, RECOVERING = (int(state) for state in GateState)
+SHUT, OPEN, REVOKED, RECOVERING = (int(state) for state in GateState)
 
 
 def _params(axis=2, sign=1.0, first_tick=FIRST, **config):
-    about = About("u", UNIMATE_ENCODERS, UNIMATE_FORCE, UNIMATE_CONVERTERS, PERIOD_NS, 0, 0, 0, 420.0, axis, sign)
-    return controller_params(ControllerConfig(**config), about, first_tick)
+    description = PlantDescription(
+        "u", UNIMATE_ENCODERS, UNIMATE_FORCE, UNIMATE_CONVERTERS, PERIOD_NS, 0, 0, 0, 420.0, axis, sign
+    )
+    return controller_params(ControllerConfig(**config), description, first_tick)
 
 
 def _sample(tick, counts=COUNTS, force=30, gate=None, dac=STOPPED, open_samples=10**6, number=None, late_ns=0, signs=(0, 0, 0)):
@@ -72,7 +74,7 @@ JOINT_STEP = (Segment("q1", "step", amount=0.05), Segment("q2", "step", amount=0
 
 def test_a_shut_gate_means_tracking_set_point_measured_integral_zero_code_zero():
     params = _params(law="pi", target="joint")
-    _, out = _run(params, JOINT_STEP, [*_bias_phase(), *(_sample(t, gate=BURNED, counts=_moved(t, t)) for t in range(1, 30))])
+    _, out = _run(params, JOINT_STEP, [*_bias_phase(), *(_sample(t, gate=REVOKED, counts=_moved(t, t)) for t in range(1, 30))])
     for codes, thought in out:
         assert codes == STOPPED
         assert thought.q_set_rad == thought.q_rad
@@ -83,7 +85,7 @@ def test_a_shut_gate_means_tracking_set_point_measured_integral_zero_code_zero()
 
 @pytest.mark.parametrize(
     ("tick", "gate", "answers"),
-    [(-1, OPEN, False), (0, SHUT, True), (0, BURNED, False), (0, RECOVERING, False), (1, SHUT, False), (1, OPEN, True)],
+    [(-1, OPEN, False), (0, SHUT, True), (0, REVOKED, False), (0, RECOVERING, False), (1, SHUT, False), (1, OPEN, True)],
 )
 def test_the_law_answers_tick_0_and_an_open_gate_and_nothing_else(tick, gate, answers):
     params = _params(target="joint")
@@ -98,7 +100,7 @@ def test_after_a_cut_law_and_target_model_start_from_nothing():
     memory, out = _run(params, push, [*_bias_phase(), *(_sample(t) for t in range(50))])
     assert out[-1][1].integral_a[2] > 0.0
     assert memory.impedance.force_offset_m < 0.0
-    memory, out = _run(params, push, [_sample(50, gate=BURNED)], memory)
+    memory, out = _run(params, push, [_sample(50, gate=REVOKED)], memory)
     assert memory.laws[2].integral_a == 0.0
     assert memory.impedance.position_m == out[-1][1].x_m
     assert memory.impedance.velocity_m_per_s == (0.0, 0.0, 0.0)
@@ -276,7 +278,7 @@ def test_the_filters_of_explicit_control_start_from_nothing_after_a_cut():
     params, push = _params(target="explicit"), (Segment("force", "step", amount=40.0),)
     memory, _ = _run(params, push, [*_bias_phase(), *(_sample(t) for t in range(50))])
     assert memory.explicit.shared_m > 0.0
-    memory, _ = _run(params, push, [_sample(50, gate=BURNED)], memory)
+    memory, _ = _run(params, push, [_sample(50, gate=REVOKED)], memory)
     assert memory.explicit == FILTERS_AT_REST
 
 
@@ -323,9 +325,9 @@ def test_a_low_pass_is_settled_before_the_trial_begins_and_knows_the_bias():
 def test_after_a_cut_an_adaptation_starts_from_nothing():
     params = _params(target="impedance", adaptation=AdaptationConfig("offset"))
     memory, _ = _run(params, (), [*_bias_phase(), *(_sample(t, force=90) for t in range(50))])
-    assert memory.impedance.relief > 0.0
-    memory, _ = _run(params, (), [_sample(50, gate=BURNED)], memory)
-    assert memory.impedance.relief == 0.0
+    assert memory.impedance.stiffness_loss > 0.0
+    memory, _ = _run(params, (), [_sample(50, gate=REVOKED)], memory)
+    assert memory.impedance.stiffness_loss == 0.0
 
 
 def test_compensation_scales_what_the_model_feels_and_not_what_is_reported():
@@ -401,7 +403,7 @@ def test_plain_and_compiled_agree_in_every_bit_for_all_laws_targets_filters_and_
         dac = STOPPED
         for i in range(330):
             tick = FIRST + i
-            gate = BURNED if 200 <= tick < 215 else None
+            gate = REVOKED if 200 <= tick < 215 else None
             step = tuple(int(v) for v in walk[i])
             sample = _sample(
                 tick, _moved(*step), int(30 + rng.integers(-9, 9)), gate, dac, max(tick, 0), late_ns=int(rng.integers(9)) * 50_000

@@ -37,5 +37,5 @@ def test_a_host_whose_cable_is_pulled_leaves_the_valves_at_zero_and_nothing_resu
     assert len(found) == cuts
     for told in found:
         assert told["held"], told  # zero current within lease and period, and so was every sample after
-        assert told["at_rest"] and told["burned"] == 1, told
+        assert told["at_rest"] and told["revoked"] == 1, told
         assert told["mode"] == "TRIPPED", told

@@ -13,10 +13,10 @@ from hydrohil.shared.host import realtime
 from hydrohil.shared.transport.requests import Request
 
 IDLE = SimpleNamespace(
-    about=object(),
+    description=object(),
     memory=SimpleNamespace(mode=DISARMED),
     keeper=SimpleNamespace(
-        gate=SimpleNamespace(arming=0), mailbox=SimpleNamespace(permit_seen=lambda _: SimpleNamespace(arming=0))
+        gate=SimpleNamespace(arming_id=0), mailbox=SimpleNamespace(observe_permit=lambda _: SimpleNamespace(arming_id=0))
     ),
     now_ns=lambda: 0,
 )

@@ -90,7 +90,7 @@ def frames(cell: str) -> dict[str, bytes]:
 
 
 def test_strangers_frames_are_counted_by_cause_and_change_nothing(cell: Cell, tmp_path: Path):
-    before = cell.status("plant")["reception"][COMMAND]
+    before = cell.status("plant")["link_stats"][COMMAND]
     run = cell.begun_run(tmp_path, duration_s=4.0)
     sent = 0
     with Bus("stranger", cell.place.cell, cell.place.port, 1) as bus:
@@ -107,7 +107,7 @@ def test_strangers_frames_are_counted_by_cause_and_change_nothing(cell: Cell, tm
 
 
 def _counted(cell: Cell, before: dict[str, int], cause: str) -> int:
-    return int(cell.status("plant")["reception"][COMMAND].get(cause, 0)) - before.get(cause, 0)
+    return int(cell.status("plant")["link_stats"][COMMAND].get(cause, 0)) - before.get(cause, 0)
 
 
 def test_an_interrupted_run_leaves_the_cell_disarmed_with_its_valves_at_zero(cell: Cell, tmp_path: Path):

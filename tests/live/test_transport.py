@@ -30,7 +30,7 @@ SETTLED_S = 0.2  # the last messages are under way
 class Told(NamedTuple):
     """What one trial gave."""
 
-    cuts: list[tuple[int, GateCause]]  # ticks at which the gate was burned, and why
+    cuts: list[tuple[int, GateCause]]  # ticks at which the gate was revoked, and why
     trace: Trace | None
     open_after: bool  # it opened again after a cut
     status: dict[str, dict[str, Any]]
@@ -79,7 +79,7 @@ def attempt(bus: Bus, *faults: Fault) -> Told | None:
         return None
     newest = collector.permits.peek()
     assert isinstance(newest, Received)
-    cuts = [(event.tick, GateCause(event.cause)) for event in events if event.tick > 0 and event.state == GateState.BURNED]
+    cuts = [(event.tick, GateCause(event.cause)) for event in events if event.tick > 0 and event.state == GateState.REVOKED]
     status = cells.statuses(bus, cells.LOOP)
     trace = (
         None

@@ -1,9 +1,22 @@
 import pytest
 
-from hydrohil.services.plant.cause_values import numbers
+from hydrohil.services.plant.cause_values import cause_values
 from hydrohil.services.plant.gate import GateMemory
 from hydrohil.shared.contract.messages import GateCause
-from tests.support.gate_scene import ARMING, COMMAND, FINE, LIMITS, PERMIT, TTL, codes, command, opened, permit, recovering, step
+from tests.support.gate_scene import (
+    ARMING_ID,
+    COMMAND,
+    FINE,
+    LIMITS,
+    PERMIT,
+    TTL,
+    codes,
+    command,
+    opened,
+    permit,
+    recovering,
+    step,
+)
 
 CROSSED = LIMITS._replace(min_force_counts=6, max_force_counts=5)
 LOOSE = LIMITS._replace(tight_samples=0, slew_codes=200)
@@ -33,28 +46,28 @@ AT_ONCE = LOOSE._replace(slew_codes=2456)
         (GateCause.NOT_UNLOADING, recovering(2048, 2047, 2049), AT_ONCE, (2049.0, 2048.0)),
         (GateCause.NOT_UNLOADING, recovering(2048, 1347, 2048), AT_ONCE, (1347.0, 1348.0)),
         (GateCause.LINK_FAULTS, FINE._replace(link_faults=3), LIMITS, (3.0, 1.0)),
-        (GateCause.TWO_PUBLISHERS, FINE._replace(rivals=2), LIMITS, (2.0, 1.0)),
+        (GateCause.TWO_PUBLISHERS, FINE._replace(epoch_conflicts=2), LIMITS, (2.0, 1.0)),
         (GateCause.ESTOP, FINE._replace(estop=True), LIMITS, (0.0, 0.0)),
     ],
 )
 def test_a_decision_tells_the_number_that_it_was_made_by(cause, seen, limits, told):
     before = GateMemory()
     assert step(before, seen, limits).cause == cause
-    assert numbers(int(cause), before, seen, limits) == pytest.approx(told)
+    assert cause_values(int(cause), before, seen, limits) == pytest.approx(told)
 
 
 def test_a_step_is_told_against_where_the_codes_stood():
     before = step(opened(), codes(2140, 2048, 2048))
-    assert numbers(int(GateCause.BEYOND_SLEW), before, codes(2000, 2048, 2048), LIMITS) == (140.0, 100.0)
+    assert cause_values(int(GateCause.BEYOND_SLEW), before, codes(2000, 2048, 2048), LIMITS) == (140.0, 100.0)
 
 
 @pytest.mark.parametrize("cause", list(GateCause))
 def test_every_cause_has_its_numbers_or_none_whatever_was_seen(cause):
-    assert PERMIT.arming == COMMAND.arming == ARMING
-    assert all(type(value) is float for value in numbers(int(cause), GateMemory(), FINE, LIMITS))
+    assert PERMIT.arming_id == COMMAND.arming_id == ARMING_ID
+    assert all(type(value) is float for value in cause_values(int(cause), GateMemory(), FINE, LIMITS))
 
 
 @pytest.mark.parametrize("cause", [GateCause.OUT_OF_RANGE, GateCause.NOT_UNLOADING])
 def test_where_no_code_is_beyond_there_is_no_number(cause):
     for seen in (FINE, recovering(2048, 2000, 2048)):
-        assert numbers(int(cause), GateMemory(), seen, LIMITS) == (0.0, 0.0)
+        assert cause_values(int(cause), GateMemory(), seen, LIMITS) == (0.0, 0.0)

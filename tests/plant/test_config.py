@@ -1,7 +1,7 @@
 import pytest
 from pydantic import TypeAdapter, ValidationError
 
-from hydrohil.services.plant.config import GateLimits, PlantConfig, bias_ticks, latch_substeps
+from hydrohil.services.plant.config import GateLimits, PlantConfig, latch_substeps, tare_ticks
 
 PLANT = TypeAdapter(PlantConfig)
 
@@ -19,8 +19,8 @@ def test_a_latch_may_stand_at_the_shortest_interval_and_not_beyond():
 
 
 def test_the_bias_is_taken_over_whole_samples():
-    assert bias_ticks(PlantConfig()) == 444  # 2 s at 4.5 ms
-    assert bias_ticks(PlantConfig(sample_period_substeps=20)) == 2000
+    assert tare_ticks(PlantConfig()) == 444  # 2 s at 4.5 ms
+    assert tare_ticks(PlantConfig(sample_period_substeps=20)) == 2000
 
 
 @pytest.mark.parametrize(

@@ -37,7 +37,7 @@ def at(scene, substep):
     timeline, emulator = scene
     timeline.substep = substep
     emulator.read()
-    return emulator.truth()
+    return emulator.ground_truth()
 
 
 def expected(*driven):
@@ -99,7 +99,7 @@ def test_a_trial_begins_at_its_declared_state_whatever_was_before(scene):
     at(scene, 350)
     emulator.begin()
     timeline.substep = 350
-    seen = emulator.truth()
+    seen = emulator.ground_truth()
     assert (seen.q_rad, seen.spool_a, seen.qd_rad_per_s) == (*expected(), (0.0,) * 3)
     assert at(scene, 700).q_rad == PlantConfig().initial_q_rad
 
@@ -139,7 +139,7 @@ def sampled(scene, samples, codes=MOVING):
     told = []
     for number in range(samples):
         timeline.number, timeline.substep = number, 90 * number
-        told.append((emulator.read(), emulator.truth()))
+        told.append((emulator.read(), emulator.ground_truth()))
         timeline.substep += 72
         emulator.write(codes)
     return told
@@ -152,7 +152,7 @@ def test_a_fault_by_hand_shows_in_the_readings_alone_and_the_truth_stays_true(sc
     emulator.begin()
     emulator.inject(Fault("dropout", "encoder_out_in", 0.009, 0.009))
     broken = sampled(scene, 8)
-    assert [truth for _, truth in broken] == [truth for _, truth in sound]
+    assert [ground_truth for _, ground_truth in broken] == [ground_truth for _, ground_truth in sound]
     assert [reading.encoder_counts[2] == 0 for reading, _ in broken] == [number in (3, 4) for number in range(8)]
     assert [emulator.faults()[0], emulator.faults()[1]] == [(), ()]
 

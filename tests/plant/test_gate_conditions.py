@@ -2,10 +2,10 @@ import math
 
 import pytest
 
-from hydrohil.services.plant.gate import NO_COMMAND_SEEN, NO_PERMIT_SEEN, GateInput, GateMemory
+from hydrohil.services.plant.gate import NO_COMMAND_OBSERVATION, NO_PERMIT_OBSERVATION, GateInput, GateMemory
 from hydrohil.shared.contract.messages import GateCause, GateState, Mode
 from tests.support.gate_scene import (
-    ARMING,
+    ARMING_ID,
     COMMAND,
     CONTROLLER,
     FINE,
@@ -25,7 +25,7 @@ from tests.support.gate_scene import (
     step,
 )
 
-NOTHING_SEEN = GateInput(NO_PERMIT_SEEN, NO_COMMAND_SEEN, 0, 0.0, 0, False, False, 0, 0)
+NOTHING_OBSERVED = GateInput(NO_PERMIT_OBSERVATION, NO_COMMAND_OBSERVATION, 0, 0.0, 0, False, False, 0, 0)
 AT_ONCE = LIMITS._replace(tight_samples=0)  # no tight slew, so that other limits can be reached in one step
 
 HOLDS = {
@@ -41,18 +41,18 @@ HOLDS = {
     "the lowest count": FINE._replace(force_counts=0),
     "the highest count": FINE._replace(force_counts=517),
     "one fault of a link within a second": FINE._replace(link_faults=1),
-    "a sender that started anew within this second": FINE._replace(rivals=1),
+    "a sender that started anew within this second": FINE._replace(epoch_conflicts=1),
 }
 
 BROKEN = {
     "a second fault of a link within a second": (FINE._replace(link_faults=2), GateCause.LINK_FAULTS),
-    "faults of a link without a permit": (NOTHING_SEEN._replace(link_faults=2), GateCause.LINK_FAULTS),
-    "two publishers": (FINE._replace(rivals=2), GateCause.TWO_PUBLISHERS),
-    "two publishers without a permit": (NOTHING_SEEN._replace(rivals=8), GateCause.TWO_PUBLISHERS),
-    "faults of a link and two publishers": (FINE._replace(link_faults=2, rivals=2), GateCause.LINK_FAULTS),
-    "no permit": (FINE._replace(permit=NO_PERMIT_SEEN), GateCause.NO_PERMIT),
+    "faults of a link without a permit": (NOTHING_OBSERVED._replace(link_faults=2), GateCause.LINK_FAULTS),
+    "two publishers": (FINE._replace(epoch_conflicts=2), GateCause.TWO_PUBLISHERS),
+    "two publishers without a permit": (NOTHING_OBSERVED._replace(epoch_conflicts=8), GateCause.TWO_PUBLISHERS),
+    "faults of a link and two publishers": (FINE._replace(link_faults=2, epoch_conflicts=2), GateCause.LINK_FAULTS),
+    "no permit": (FINE._replace(permit=NO_PERMIT_OBSERVATION), GateCause.NO_PERMIT),
     "a permit that is not there": (permit(present=False), GateCause.NO_PERMIT),
-    "a permit without an arming": (permit(arming=0), GateCause.NO_PERMIT),
+    "a permit without an arming": (permit(arming_id=0), GateCause.NO_PERMIT),
     "a permit just past its lease": (permit(age_ns=TTL + 1), GateCause.PERMIT_STALE),
     "a permit that judges no sample of this plant": (permit(age_ns=-1), GateCause.IMPOSSIBLE_ECHO),
     "a permit that does not run: disarmed": (permit(mode=int(Mode.DISARMED)), GateCause.NOT_RUNNING),
@@ -61,12 +61,12 @@ BROKEN = {
     "a permit of no known mode": (permit(mode=99), GateCause.NOT_RUNNING),
     "the sample before tick 0": (FINE._replace(tick=-1), GateCause.NOT_RUNNING),
     "no trial": (FINE._replace(tick=-(2**31)), GateCause.NOT_RUNNING),
-    "no command": (FINE._replace(command=NO_COMMAND_SEEN), GateCause.NO_COMMAND),
+    "no command": (FINE._replace(command=NO_COMMAND_OBSERVATION), GateCause.NO_COMMAND),
     "a command that is not there": (command(present=False), GateCause.NO_COMMAND),
     "a command just past its lease": (command(age_ns=TTL + 1), GateCause.COMMAND_STALE),
     "a command that answers no sample of this plant": (command(age_ns=-1), GateCause.IMPOSSIBLE_ECHO),
-    "a command of another arming": (command(arming=OTHER), GateCause.OTHER_ARMING),
-    "a command without an arming": (command(arming=0), GateCause.OTHER_ARMING),
+    "a command of another arming": (command(arming_id=OTHER), GateCause.OTHER_ARMING),
+    "a command without an arming": (command(arming_id=0), GateCause.OTHER_ARMING),
     "a first code below the range": (codes(819, 2048, 2048), GateCause.OUT_OF_RANGE),
     "a second code above the range": (codes(2048, 3277, 2048), GateCause.OUT_OF_RANGE),
     "a third code below the range": (codes(2048, 2048, 819), GateCause.OUT_OF_RANGE),
@@ -78,16 +78,16 @@ BROKEN = {
     "a force count below the gauge": (FINE._replace(force_counts=-1), GateCause.FORCE_INVALID),
     "a saturated force count": (FINE._replace(force_counts=518), GateCause.FORCE_INVALID),
     "an emergency stop": (FINE._replace(estop=True), GateCause.ESTOP),
-    "a plant that overslept": (FINE._replace(overslept=True), GateCause.OVERSLEPT),
+    "a plant that overran": (FINE._replace(overrun=True), GateCause.OVERRUN),
 }
-BURNS_WHILE_SHUT = {
+REVOKES_WHILE_SHUT = {
     GateCause.IMPOSSIBLE_ECHO,
     GateCause.OUT_OF_RANGE,
     GateCause.BEYOND_SLEW,
     GateCause.FORCE_INVALID,
     GateCause.FORCE_ABOVE_LIMIT,
     GateCause.ESTOP,
-    GateCause.OVERSLEPT,
+    GateCause.OVERRUN,
     GateCause.LINK_FAULTS,
     GateCause.TWO_PUBLISHERS,
 }
@@ -96,18 +96,18 @@ BURNS_WHILE_SHUT = {
 def test_the_gate_is_silent_at_boot():
     memory = GateMemory()
     assert memory == GateMemory(int(GateState.SHUT), int(GateCause.NO_PERMIT), ZERO, -1, 0, 0, 0, 0, (0,) * 16, NO_SIGNS)
-    assert step(memory, NOTHING_SEEN) == memory
+    assert step(memory, NOTHING_OBSERVED) == memory
 
 
 def test_what_is_absent_permits_nothing_by_any_field():
-    assert (False, 0, 0, int(Mode.DISARMED), -1, NO_SIGNS) == NO_PERMIT_SEEN
-    assert NO_COMMAND_SEEN == (False, 0, 0, -1, -1, ZERO)
+    assert (False, 0, 0, int(Mode.DISARMED), -1, NO_SIGNS) == NO_PERMIT_OBSERVATION
+    assert NO_COMMAND_OBSERVATION == (False, 0, 0, -1, -1, ZERO)
 
 
 def test_it_opens_when_everything_holds_and_binds_arming_and_epochs():
     memory = step(GateMemory(), FINE)
     assert memory == GateMemory(
-        int(GateState.OPEN), int(GateCause.NONE), ZERO, 100, 1, ARMING, SUPERVISOR, CONTROLLER, (0,) * 16, NO_SIGNS
+        int(GateState.OPEN), int(GateCause.NONE), ZERO, 100, 1, ARMING_ID, SUPERVISOR, CONTROLLER, (0,) * 16, NO_SIGNS
     )
 
 
@@ -122,33 +122,35 @@ def test_at_its_limit_a_condition_still_holds(before, seen):
 def test_just_past_its_limit_a_condition_cuts_to_zero_current_and_burns(seen, cause):
     moving = step(opened(), codes(2100, 2000, 2048))
     after = step(moving, seen)
-    assert (after.cause, after.codes, after.burned[0]) == (cause, ZERO, ARMING)
-    assert (after.arming, after.permit_epoch, after.command_epoch, after.open_samples) == (0, 0, 0, 0)
-    assert after.state == (GateState.BURNED if seen.permit.present and seen.permit.arming == ARMING else GateState.SHUT)
-    assert step(after, FINE).cause == GateCause.BURNED_ARMING
+    assert (after.cause, after.codes, after.revoked[0]) == (cause, ZERO, ARMING_ID)
+    assert (after.arming_id, after.permit_epoch, after.command_epoch, after.open_samples) == (0, 0, 0, 0)
+    assert after.state == (GateState.REVOKED if seen.permit.present and seen.permit.arming_id == ARMING_ID else GateState.SHUT)
+    assert step(after, FINE).cause == GateCause.REVOKED_ARMING
 
 
 @pytest.mark.parametrize(("seen", "cause"), BROKEN.values(), ids=BROKEN)
 def test_a_shut_gate_stays_shut_and_burns_only_on_what_is_ours_but_wrong(seen, cause):
     after = step(GateMemory(), seen)
-    wrong = cause in BURNS_WHILE_SHUT and seen.permit.arming != 0
+    wrong = cause in REVOKES_WHILE_SHUT and seen.permit.arming_id != 0
     assert (after.cause, after.codes) == (cause, ZERO)
-    assert after.burned == ((ARMING,) + (0,) * 15 if wrong else (0,) * 16)
-    assert after.state == (GateState.BURNED if wrong else GateState.SHUT)
-    assert step(after, FINE).state == (GateState.BURNED if wrong else GateState.OPEN)
+    assert after.revoked == ((ARMING_ID,) + (0,) * 15 if wrong else (0,) * 16)
+    assert after.state == (GateState.REVOKED if wrong else GateState.SHUT)
+    assert step(after, FINE).state == (GateState.REVOKED if wrong else GateState.OPEN)
 
 
 def test_an_emergency_stop_without_an_arming_burns_nothing():
-    stopped = step(GateMemory(), NOTHING_SEEN._replace(estop=True))
-    assert (stopped.state, stopped.cause, stopped.burned) == (GateState.SHUT, GateCause.ESTOP, (0,) * 16)
-    absent = step(GateMemory(), permit(present=False, arming=0)._replace(estop=True))
-    assert (absent.state, absent.burned) == (GateState.SHUT, (0,) * 16)
+    stopped = step(GateMemory(), NOTHING_OBSERVED._replace(estop=True))
+    assert (stopped.state, stopped.cause, stopped.revoked) == (GateState.SHUT, GateCause.ESTOP, (0,) * 16)
+    absent = step(GateMemory(), permit(present=False, arming_id=0)._replace(estop=True))
+    assert (absent.state, absent.revoked) == (GateState.SHUT, (0,) * 16)
 
 
 def test_the_emergency_stop_is_named_before_every_other_cause():
-    everything = FINE._replace(permit=NO_PERMIT_SEEN, command=NO_COMMAND_SEEN, estop=True, overslept=True, force_n=math.nan)
+    everything = FINE._replace(
+        permit=NO_PERMIT_OBSERVATION, command=NO_COMMAND_OBSERVATION, estop=True, overrun=True, force_n=math.nan
+    )
     assert step(opened(), everything).cause == GateCause.ESTOP
-    assert step(opened(), everything._replace(estop=False)).cause == GateCause.OVERSLEPT
+    assert step(opened(), everything._replace(estop=False)).cause == GateCause.OVERRUN
 
 
 @pytest.mark.parametrize(
@@ -158,16 +160,16 @@ def test_the_emergency_stop_is_named_before_every_other_cause():
 )
 def test_a_bound_sender_that_changes_epoch_is_a_cut(seen, cause):
     after = step(opened(), seen)
-    assert (after.state, after.cause, after.codes) == (GateState.BURNED, cause, ZERO)
+    assert (after.state, after.cause, after.codes) == (GateState.REVOKED, cause, ZERO)
     assert step(GateMemory(), seen).state == GateState.OPEN  # unbound, it is free to be any
 
 
 def test_a_permit_of_another_arming_cuts_and_opens_only_at_the_next_judgement():
-    both = FINE._replace(permit=PERMIT._replace(arming=OTHER), command=COMMAND._replace(arming=OTHER))
+    both = FINE._replace(permit=PERMIT._replace(arming_id=OTHER), command=COMMAND._replace(arming_id=OTHER))
     after = step(opened(), both)
-    assert (after.state, after.cause, after.codes, after.burned[0]) == (GateState.SHUT, GateCause.OTHER_ARMING, ZERO, ARMING)
+    assert (after.state, after.cause, after.codes, after.revoked[0]) == (GateState.SHUT, GateCause.OTHER_ARMING, ZERO, ARMING_ID)
     again = step(after, both)
-    assert (again.state, again.arming) == (GateState.OPEN, OTHER)
+    assert (again.state, again.arming_id) == (GateState.OPEN, OTHER)
 
 
 @pytest.mark.parametrize("link", [0, 1, 2])
@@ -220,10 +222,10 @@ def test_recovering_allows_the_unloading_sign_at_low_current_and_nothing_else():
 )
 def test_recovering_refuses_more_current_the_loading_sign_and_every_other_link(values):
     after = step(GateMemory(), recovering(*values), AT_ONCE)
-    assert (after.state, after.cause, after.codes) == (GateState.BURNED, GateCause.NOT_UNLOADING, ZERO)
+    assert (after.state, after.cause, after.codes) == (GateState.REVOKED, GateCause.NOT_UNLOADING, ZERO)
     during = step(step(GateMemory(), recovering(*ZERO), AT_ONCE), recovering(*values), AT_ONCE)
     assert (during.state, during.cause, during.codes, during.recover_signs) == (
-        GateState.BURNED,
+        GateState.REVOKED,
         GateCause.NOT_UNLOADING,
         ZERO,
         NO_SIGNS,

@@ -4,12 +4,12 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 from hypothesis.stateful import RuleBasedStateMachine, initialize, invariant, rule
 
-from hydrohil.services.plant.gate import CommandSeen, GateInput, GateMemory, PermitSeen, gate_step
+from hydrohil.services.plant.gate import CommandObservation, GateInput, GateMemory, PermitObservation, gate_step
 from hydrohil.shared.compiled.kernel import compiled
 from hydrohil.shared.contract.messages import GateState, Mode
 from tests.support.gate_scene import COMMAND, FINE, LIMITS, PERMIT, TTL, ZERO
 
-ARMINGS = st.sampled_from([0, 1, 2, 3, 4])
+ARMING_IDS = st.sampled_from([0, 1, 2, 3, 4])
 EPOCHS = st.sampled_from([11, 12])
 AGES = st.sampled_from([-1, 0, TTL, TTL + 1])
 CODES = st.sampled_from([819, 820, 1948, 2000, 2047, 2048, 2049, 2100, 2148, 2149, 3276, 3277])
@@ -17,8 +17,10 @@ FORCES = st.sampled_from([0.0, 420.0, 420.1, -421.0, float("nan"), float("inf")]
 COUNTS = st.sampled_from([-1, 0, 10, 517, 518])
 TICKS = st.sampled_from([-(2**31), -1, 0, 7])
 SIGNS = st.tuples(*[st.sampled_from([-1, 0, 1])] * 3)
-PERMITS = st.builds(PermitSeen, st.booleans(), ARMINGS, EPOCHS, st.sampled_from([int(m) for m in Mode]), AGES, SIGNS)
-COMMANDS = st.builds(CommandSeen, st.booleans(), ARMINGS, EPOCHS, AGES, st.integers(-1, 9), st.tuples(CODES, CODES, CODES))
+PERMITS = st.builds(PermitObservation, st.booleans(), ARMING_IDS, EPOCHS, st.sampled_from([int(m) for m in Mode]), AGES, SIGNS)
+COMMANDS = st.builds(
+    CommandObservation, st.booleans(), ARMING_IDS, EPOCHS, AGES, st.integers(-1, 9), st.tuples(CODES, CODES, CODES)
+)
 FAULTS = st.sampled_from([0, 0, 0, 1, 2, 8])
 ANYTHING = st.builds(GateInput, PERMITS, COMMANDS, COUNTS, FORCES, TICKS, st.booleans(), st.booleans(), FAULTS, FAULTS)
 LIMITS_DRAWN = st.sampled_from([LIMITS, LIMITS._replace(tight_samples=0), LIMITS._replace(tight_samples=0, slew_codes=1)])
@@ -35,14 +37,14 @@ def everything_holds(seen):
     return (
         permit.present
         and command.present
-        and permit.arming == command.arming != 0
+        and permit.arming_id == command.arming_id != 0
         and 0 <= permit.age_ns <= TTL
         and 0 <= command.age_ns <= TTL
         and all(820 <= code <= 3276 for code in command.codes)
         and not seen.estop
-        and not seen.overslept
+        and not seen.overrun
         and seen.link_faults < 2
-        and seen.rivals < 2
+        and seen.epoch_conflicts < 2
         and (may_run or unloads)
     )
 
@@ -53,22 +55,24 @@ class GateUnderFire(RuleBasedStateMachine):
     @initialize()
     def boot(self):
         self.memory, self.before, self.seen = GateMemory(), GateMemory(), None
-        self.dead = set()  # armings that a cut has burned, never forgotten here
+        self.dead = set()  # armings that a cut has revoked, never forgotten here
 
     @rule(seen=ANYTHING, at_latch=st.booleans())
     def judge_anything(self, seen, at_latch):
         self._judge(seen, at_latch)
 
-    @rule(arming=st.integers(1, 12), mode=st.sampled_from([2, 4]), codes=st.tuples(CODES, CODES, CODES), times=st.integers(1, 25))
-    def run_well(self, arming, mode, codes, times):
-        permit = PERMIT._replace(arming=arming, mode=mode, recover_signs=(1, -1, 1))
+    @rule(
+        arming_id=st.integers(1, 12), mode=st.sampled_from([2, 4]), codes=st.tuples(CODES, CODES, CODES), times=st.integers(1, 25)
+    )
+    def run_well(self, arming_id, mode, codes, times):
+        permit = PERMIT._replace(arming_id=arming_id, mode=mode, recover_signs=(1, -1, 1))
         for _ in range(times):
-            self._judge(FINE._replace(permit=permit, command=COMMAND._replace(arming=arming)), True)
-        self._judge(FINE._replace(permit=permit, command=COMMAND._replace(arming=arming, codes=codes)), True)
+            self._judge(FINE._replace(permit=permit, command=COMMAND._replace(arming_id=arming_id)), True)
+        self._judge(FINE._replace(permit=permit, command=COMMAND._replace(arming_id=arming_id, codes=codes)), True)
 
-    @rule(arming=st.integers(1, 12), epoch=EPOCHS)
-    def change_an_epoch(self, arming, epoch):
-        self._judge(FINE._replace(permit=PERMIT._replace(arming=arming, epoch=epoch)), True)
+    @rule(arming_id=st.integers(1, 12), epoch=EPOCHS)
+    def change_an_epoch(self, arming_id, epoch):
+        self._judge(FINE._replace(permit=PERMIT._replace(arming_id=arming_id, epoch=epoch)), True)
 
     @rule()
     def go_absent(self):
@@ -79,29 +83,29 @@ class GateUnderFire(RuleBasedStateMachine):
         self.memory = gate_step(self.memory, LIMITS, seen, at_latch)
         was_open = self.before.state in (GateState.OPEN, GateState.RECOVERING)
         if was_open and self.memory.cause:
-            self.dead.add(self.before.arming)
+            self.dead.add(self.before.arming_id)
         self.check()
 
     def check(self):
         is_open = self.memory.state in (GateState.OPEN, GateState.RECOVERING)
-        assert is_open == (self.memory.cause == 0) == (self.memory.arming != 0)
+        assert is_open == (self.memory.cause == 0) == (self.memory.arming_id != 0)
         if self.memory.codes != ZERO or is_open:
             assert is_open
             assert everything_holds(self.seen)
-            assert self.memory.arming == self.seen.permit.arming not in self.dead
+            assert self.memory.arming_id == self.seen.permit.arming_id not in self.dead
             assert self.memory.codes == self.seen.command.codes
             slew = LIMITS.slew_codes if self.before.open_samples >= LIMITS.tight_samples else LIMITS.tight_slew_codes
             assert max(abs(a - b) for a, b in zip(self.memory.codes, self.before.codes, strict=True)) <= slew
-        if is_open and self.before.arming:
-            assert self.memory.arming == self.before.arming
+        if is_open and self.before.arming_id:
+            assert self.memory.arming_id == self.before.arming_id
             assert (self.memory.permit_epoch, self.memory.command_epoch) == (self.before.permit_epoch, self.before.command_epoch)
-        if is_open and not self.before.arming:
+        if is_open and not self.before.arming_id:
             assert max(abs(code - 2048) for code in self.memory.codes) <= LIMITS.tight_slew_codes
 
     @invariant()
     def a_shut_gate_writes_zero_and_is_bound_to_nobody(self):
-        if self.memory.state in (GateState.SHUT, GateState.BURNED):
-            assert (self.memory.codes, self.memory.arming, self.memory.open_samples) == (ZERO, 0, 0)
+        if self.memory.state in (GateState.SHUT, GateState.REVOKED):
+            assert (self.memory.codes, self.memory.arming_id, self.memory.open_samples) == (ZERO, 0, 0)
 
 
 GateUnderFire.TestCase.settings = settings(max_examples=60, stateful_step_count=30, deadline=None)

@@ -41,19 +41,19 @@ class Scene:
     def echo(self):
         return {"echo_number": self.timeline.number, "echo_time_ns": self.timeline.number}
 
-    def permit(self, arming=77, mode=Mode.RUNNING, **changes):
+    def permit(self, arming_id=77, mode=Mode.RUNNING, **changes):
         self.seq += 1
         self.bus.send(
             "supervisor/permit",
-            header("supervisor/permit", self.seq, arming=arming, **(self.echo() | changes)),
+            header("supervisor/permit", self.seq, arming_id=arming_id, **(self.echo() | changes)),
             permit_body(mode),
         )
 
-    def command(self, codes=ZERO, arming=77, **changes):
+    def command(self, codes=ZERO, arming_id=77, **changes):
         self.seq += 1
         self.bus.send(
             "controller/command",
-            header("controller/command", self.seq, arming=arming, **(self.echo() | changes)),
+            header("controller/command", self.seq, arming_id=arming_id, **(self.echo() | changes)),
             command_body(codes),
         )
 
@@ -62,10 +62,10 @@ class Scene:
         self.keeper.judge(self.now_ns, **({"at_latch": True} | changes))
         return self.keeper.gate
 
-    def run(self, arming=77, codes=ZERO):
+    def run(self, arming_id=77, codes=ZERO):
         self.sample()
-        self.permit(arming)
-        self.command(codes, arming)
+        self.permit(arming_id)
+        self.command(codes, arming_id)
         return self.judge()
 
 
@@ -97,26 +97,26 @@ def test_a_fresh_frame_does_not_refresh_an_old_judgement():
     assert scene.judge().cause == GateCause.PERMIT_STALE
 
 
-def test_a_burned_arming_never_opens_again_however_many_others_burned_since():
+def test_a_revoked_arming_never_opens_again_however_many_others_revoked_since():
     scene = Scene()
-    for arming in range(1, 60):
-        assert scene.run(arming).state == GateState.OPEN
+    for arming_id in range(1, 60):
+        assert scene.run(arming_id).state == GateState.OPEN
         scene.sample()
         scene.permit(0, Mode.TRIPPED)
         assert scene.judge().cause == GateCause.NO_PERMIT
-    for arming in range(1, 60):
-        assert (scene.run(arming).cause, scene.device.codes) == (GateCause.BURNED_ARMING, ZERO)
+    for arming_id in range(1, 60):
+        assert (scene.run(arming_id).cause, scene.device.codes) == (GateCause.REVOKED_ARMING, ZERO)
 
 
-def test_neither_a_new_trial_nor_a_reset_of_the_stop_revives_a_burned_arming():
+def test_neither_a_new_trial_nor_a_reset_of_the_stop_revives_a_revoked_arming():
     scene = Scene()
     scene.run(codes=MOVING)
     scene.keeper.estop = True
     assert scene.judge().cause == GateCause.ESTOP
     scene.keeper.estop = False
-    assert scene.run().cause == GateCause.BURNED_ARMING
+    assert scene.run().cause == GateCause.REVOKED_ARMING
     scene.keeper.begin_trial()
-    assert scene.run().cause == GateCause.BURNED_ARMING
+    assert scene.run().cause == GateCause.REVOKED_ARMING
 
 
 def test_a_trial_that_begins_while_the_gate_is_open_cuts_and_burns():
@@ -124,11 +124,11 @@ def test_a_trial_that_begins_while_the_gate_is_open_cuts_and_burns():
     scene.run(codes=MOVING)
     scene.keeper.begin_trial()
     assert scene.device.codes == ZERO
-    assert scene.run().cause == GateCause.BURNED_ARMING
+    assert scene.run().cause == GateCause.REVOKED_ARMING
     assert scene.run(78).state == GateState.OPEN
 
 
-def test_an_arming_that_waits_while_a_trial_begins_is_not_burned():
+def test_an_arming_that_waits_while_a_trial_begins_is_not_revoked():
     scene = Scene()
     scene.timeline.tick = -1
     assert scene.run().cause == GateCause.NOT_RUNNING
@@ -190,8 +190,8 @@ def test_every_change_of_mind_is_told_once_with_its_numbers():
     scene.run()
     scene.run()
     told = scene.bus.of("plant/gate")
-    assert [event.state for event in told] == [GateState.OPEN, GateState.BURNED, GateState.BURNED]
-    assert [event.cause for event in told] == [GateCause.NONE, GateCause.FORCE_ABOVE_LIMIT, GateCause.BURNED_ARMING]
+    assert [event.state for event in told] == [GateState.OPEN, GateState.REVOKED, GateState.REVOKED]
+    assert [event.cause for event in told] == [GateCause.NONE, GateCause.FORCE_ABOVE_LIMIT, GateCause.REVOKED_ARMING]
     assert told[1].measured == pytest.approx(400 * N_PER_FORCE_COUNT)
     assert told[1].limit == 420.0
 
@@ -229,7 +229,7 @@ def test_one_corrupt_frame_a_second_is_survived_and_a_second_one_cuts_and_burns(
     corrupt(scene, key)
     assert (scene.run(codes=MOVING).cause, scene.device.codes) == (GateCause.LINK_FAULTS, ZERO)
     scene.now_ns += 2_000_000_000
-    assert scene.run(codes=MOVING).cause == GateCause.BURNED_ARMING
+    assert scene.run(codes=MOVING).cause == GateCause.REVOKED_ARMING
     assert scene.bus.of("plant/gate")[1][-2:] == (2.0, 1.0)
 
 
@@ -277,19 +277,19 @@ def test_two_controllers_shut_the_gate_before_it_was_ever_open():
         scene.command()
         scene.judge()
     assert scene.keeper.gate.cause == GateCause.TWO_PUBLISHERS
-    assert 77 in scene.keeper.burned
+    assert 77 in scene.keeper.revoked
     scene.timeline.tick = 0
-    assert scene.run().state == GateState.BURNED
+    assert scene.run().state == GateState.REVOKED
 
 
 def test_a_cut_tells_what_was_made_of_the_frames_that_came():
     scene = Scene()
     scene.run(codes=MOVING)
-    assert not scene.bus.of("plant/reception")
+    assert not scene.bus.of("plant/link_stats")
     scene.bus.send_bytes("controller/command", b"noise that nobody sent")
     scene.keeper.estop = True
     scene.judge()
-    ((number, (commands, permits)),) = scene.bus.of("plant/reception")
+    ((number, (commands, permits)),) = scene.bus.of("plant/link_stats")
     assert number == scene.timeline.number
     assert (commands.topic, commands.accepted, commands.crc) == ("controller/command", 1, 1)
     assert (permits.topic, permits.accepted, permits.crc) == ("supervisor/permit", 1, 0)

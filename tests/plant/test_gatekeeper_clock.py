@@ -2,7 +2,7 @@
 
 import pytest
 
-from hydrohil.shared.contract.messages import NO_COMMAND, NO_TRIAL, GateCause, GateState, Mode, Passed
+from hydrohil.shared.contract.messages import NO_COMMAND, NO_TRIAL, GateCause, GateState, Mode, SampleDropped
 from hydrohil.shared.transport import inbox
 from hydrohil.shared.units import SUBSTEP_NS
 from tests.plant.test_gatekeeper import MOVING, MS, Scene
@@ -23,11 +23,11 @@ class InStep(Scene):
         self.keeper.ledger.issue(self.timeline.number, self.now_ns, self.now_ns)
 
     def receive(self):
-        self.keeper.receive_in_step(self.now_ns + LATCH_NS, LATCH_NS, lambda *late: self.late.append(late))
+        self.keeper.receive_lockstep(self.now_ns + LATCH_NS, LATCH_NS, lambda *late: self.late.append(late))
 
     def passed(self, key, number, **changes):
         self.seq += 1
-        self.bus.send(key, header(key, self.seq, **changes), Passed(number))
+        self.bus.send(key, header(key, self.seq, **changes), SampleDropped(number))
 
 
 def answered(scene):
@@ -39,7 +39,7 @@ def test_before_anything_came_nothing_is_told_and_nobody_has_answered():
     assert dict(keeper.dealt_with()) == {"controller": NO_COMMAND, "supervisor": NO_COMMAND}
     assert (keeper.estop, keeper.force_counts, keeper.late_substeps, keeper.command_age_ns) == (False, 0, 0, 0)
     assert (keeper.last_cut, keeper.last_cut_ns, keeper.last_cut_clock_ns) == (GateCause.NONE, 0, 0)
-    assert keeper.burned == frozenset()
+    assert keeper.revoked == frozenset()
 
 
 def test_in_lockstep_a_command_is_as_old_as_its_latch_and_its_sender_has_answered():
@@ -67,7 +67,9 @@ def test_in_lockstep_only_a_command_that_a_fault_delays_past_its_latch_is_late(m
     assert [substep for _, substep in scene.late] == [(scene.now_ns + delay_ns) // SUBSTEP_NS] * is_late
 
 
-@pytest.mark.parametrize(("key", "name"), [("controller/passed", "controller"), ("supervisor/passed", "supervisor")])
+@pytest.mark.parametrize(
+    ("key", "name"), [("controller/sample_dropped", "controller"), ("supervisor/sample_dropped", "supervisor")]
+)
 def test_a_sample_that_a_fault_took_is_waited_for_no_more_and_a_word_of_another_run_says_nothing(key, name):
     scene = InStep()
     scene.sample()
@@ -120,29 +122,29 @@ def test_out_of_a_trial_the_age_of_a_command_counts_for_nothing():
     assert (scene.late, [*scene.keeper._counters.command_age_ns]) == ([], [])
 
 
-def test_a_plant_that_has_overslept_shuts_the_gate_and_one_that_does_not_say_so_has_not():
+def test_a_plant_that_has_overrun_shuts_the_gate_and_one_that_does_not_say_so_has_not():
     scene = Scene()
     assert scene.run(codes=MOVING).state == GateState.OPEN
-    assert (scene.judge(overslept=True).cause, scene.device.codes) == (GateCause.OVERSLEPT, ZERO)
+    assert (scene.judge(overrun=True).cause, scene.device.codes) == (GateCause.OVERRUN, ZERO)
 
 
 def test_a_new_trial_counts_its_late_sub_steps_anew_and_burns_nothing_that_was_not_bound():
     scene = Scene()
     scene.keeper.late_substeps = 5
     scene.keeper.begin_trial()
-    assert (scene.keeper.late_substeps, scene.keeper.burned, len(scene.keeper.gate.burned)) == (0, frozenset(), 16)
-    assert set(scene.keeper.gate.burned) == {0}
+    assert (scene.keeper.late_substeps, scene.keeper.revoked, len(scene.keeper.gate.revoked)) == (0, frozenset(), 16)
+    assert set(scene.keeper.gate.revoked) == {0}
 
 
 def test_what_the_gate_is_told_again_after_a_trial_began_is_one_of_the_sixteen_that_it_holds():
     scene = Scene()
-    for arming in range(1, 20):
-        scene.run(arming)
+    for arming_id in range(1, 20):
+        scene.run(arming_id)
         scene.permit(0, Mode.TRIPPED)
         scene.judge()
     scene.keeper.begin_trial()
-    assert scene.run(1).cause == GateCause.BURNED_ARMING
-    assert scene.keeper.gate.burned == (1, *range(19, 4, -1))
-    assert scene.run(1).cause == GateCause.BURNED_ARMING
-    assert scene.keeper.gate.burned == (1, *range(19, 4, -1))
-    assert scene.keeper.burned == frozenset(range(1, 20))
+    assert scene.run(1).cause == GateCause.REVOKED_ARMING
+    assert scene.keeper.gate.revoked == (1, *range(19, 4, -1))
+    assert scene.run(1).cause == GateCause.REVOKED_ARMING
+    assert scene.keeper.gate.revoked == (1, *range(19, 4, -1))
+    assert scene.keeper.revoked == frozenset(range(1, 20))

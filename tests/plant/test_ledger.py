@@ -1,6 +1,6 @@
 import pytest
 
-from hydrohil.services.plant.gate import NO_COMMAND_SEEN, NO_PERMIT_SEEN
+from hydrohil.services.plant.gate import NO_COMMAND_OBSERVATION, NO_PERMIT_OBSERVATION
 from hydrohil.services.plant.ledger import IMPOSSIBLE, Ledger
 
 
@@ -18,7 +18,7 @@ def test_an_age_is_what_passed_on_the_plants_own_clock():
 def test_an_echo_that_equals_no_issued_sample_exactly_is_impossible(number, time_ns, now):
     ledger = Ledger()
     ledger.issue(7, 31_500_000, 1000)
-    assert ledger.age(number, time_ns, now) == IMPOSSIBLE == NO_PERMIT_SEEN.age_ns == NO_COMMAND_SEEN.age_ns == -1
+    assert ledger.age(number, time_ns, now) == IMPOSSIBLE == NO_PERMIT_OBSERVATION.age_ns == NO_COMMAND_OBSERVATION.age_ns == -1
 
 
 def test_nothing_is_possible_before_the_first_sample():

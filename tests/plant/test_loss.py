@@ -13,7 +13,7 @@ from hydrohil.shared.contract.faults import Fault
 from hydrohil.shared.contract.messages import Command, GateState
 from hydrohil.shared.contract.topics import BY_KEY
 from hydrohil.shared.transport.bus import Run
-from hydrohil.shared.transport.impairment import fate, on_path, route_of
+from hydrohil.shared.transport.impairment import on_path, outcome, route_of
 from tests.support.wire_scene import ZERO, header, permit_body
 
 PERIOD_NS, LATCH_NS, LEASE_NS = 4_500_000, 3_600_000, 20_000_000
@@ -34,10 +34,12 @@ def survives(probability: float, trial: int) -> bool:
         ledger.issue(tick + 1, time_ns, time_ns)
         head = header("controller/command", tick + 1, echo_number=tick + 1, echo_time_ns=time_ns)
         mailbox.take_permit(Received(0, "", header("supervisor/permit", **_echo(head)), permit_body()), Run())
-        if not fate(route, tick).lost:
+        if not outcome(route, tick).lost:
             mailbox.take_command(Received(0, "", head, Command(ZERO)), Run())
         now_ns = time_ns + LATCH_NS
-        seen = GateInput(mailbox.permit_seen(now_ns), mailbox.command_seen(now_ns), 10, 13.0, max(0, tick), False, False, 0, 0)
+        seen = GateInput(
+            mailbox.observe_permit(now_ns), mailbox.observe_command(now_ns), 10, 13.0, max(0, tick), False, False, 0, 0
+        )
         gate = gate_step(gate, limits, seen, True)
     return gate.state == GateState.OPEN
 

@@ -10,12 +10,12 @@ from hydrohil.services.plant.machine import (
     MachineState,
     advance,
     advance_by,
+    ground_truth,
     inside,
     machine_start,
     sense,
     stopped,
     tip_position,
-    truth,
 )
 from hydrohil.services.plant.mechanism import gravity_loads, inertias, posture
 from hydrohil.services.plant.params import UNIMATE, Environment, contact_params
@@ -23,7 +23,7 @@ from hydrohil.shared.compiled.kernel import compiled
 from hydrohil.shared.units import GRAVITY_M_PER_S2, RAD_PER_DEG, SUBSTEP_S
 
 run = compiled(advance_by)
-advance_compiled, sense_compiled, truth_compiled = compiled(advance), compiled(sense), compiled(truth)
+advance_compiled, sense_compiled, ground_truth_compiled = compiled(advance), compiled(sense), compiled(ground_truth)
 
 FREE = contact_params(Environment("free"))
 ONE_METRE = (0.0, 0.0, 0.212)  # level, d3' = 1 m
@@ -272,7 +272,7 @@ def test_plain_and_compiled_agree_bit_for_bit(contact):
         fast = advance_compiled(fast, UNIMATE, contact, codes, 300)
         assert fast == plain
         assert sense_compiled(fast, UNIMATE, contact, 3.3) == sense(plain, UNIMATE, contact, 3.3)
-        assert truth_compiled(fast, UNIMATE, contact, 7, -3) == truth(plain, UNIMATE, contact, 7, -3)
+        assert ground_truth_compiled(fast, UNIMATE, contact, 7, -3) == ground_truth(plain, UNIMATE, contact, 7, -3)
         forces.add(plain.contact.force_n)
     assert all(now != then for now, then in zip(plain.q_rad, start.q_rad, strict=True))
     assert len(forces) == (1 if contact is FREE else 5)
@@ -289,14 +289,14 @@ def test_no_state_however_odd_raises_or_parts_plain_from_compiled(q, qd, spool, 
     plain = advance(state, UNIMATE, contact, (3276, 820, 2048), 3)
     assert repr(advance_compiled(state, UNIMATE, contact, (3276, 820, 2048), 3)) == repr(plain)
     assert sense_compiled(state, UNIMATE, contact, touch[0]) == sense(state, UNIMATE, contact, touch[0])
-    assert repr(truth_compiled(state, UNIMATE, contact, 1, 1)) == repr(truth(state, UNIMATE, contact, 1, 1))
+    assert repr(ground_truth_compiled(state, UNIMATE, contact, 1, 1)) == repr(ground_truth(state, UNIMATE, contact, 1, 1))
 
 
 def test_truth_tells_which_link_stands():
     state = machine_start(UNIMATE, FREE, ONE_METRE)
-    assert truth(state, UNIMATE, FREE, 1, 2).sticking == (1, 1, 1)
+    assert ground_truth(state, UNIMATE, FREE, 1, 2).sticking == (1, 1, 1)
     moving = run(state, UNIMATE, FREE, (0.0, 0.2, 0.0), SECOND // 2, SUBSTEP_S)
-    told = truth(moving, UNIMATE, FREE, 1, 2)
+    told = ground_truth(moving, UNIMATE, FREE, 1, 2)
     assert told.sticking == (1, 0, 1)
     assert told.tip_m == tip_position(moving, UNIMATE)
 

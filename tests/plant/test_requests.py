@@ -41,9 +41,9 @@ class Machine:
 
 def plant(device):
     keeper = SimpleNamespace(
-        gate=SimpleNamespace(arming=0),
+        gate=SimpleNamespace(arming_id=0),
         limits=GateLimits(),
-        mailbox=SimpleNamespace(permit_seen=lambda _: SimpleNamespace(arming=0, age_ns=0)),
+        mailbox=SimpleNamespace(observe_permit=lambda _: SimpleNamespace(arming_id=0, age_ns=0)),
     )
     timeline, schedule = SimpleNamespace(number=70), Schedule(PlantConfig())
     bus = SimpleNamespace(conditions=idle("plant"))
@@ -66,7 +66,7 @@ def asked(device, verb, **arguments):
 
 
 def text(experiment, clock="lockstep"):
-    return seal(experiment, run=1, seed=1, clock=clock, bias_ticks=100, duration_ticks=50)
+    return seal(experiment, run=1, seed=1, clock=clock, tare_ticks=100, duration_ticks=50)
 
 
 def test_a_fault_by_hand_begins_at_the_sample_that_is_told():

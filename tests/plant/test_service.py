@@ -3,7 +3,7 @@
 import pytest
 
 from hydrohil.services.plant import service
-from hydrohil.services.plant import warmup as heralds
+from hydrohil.services.plant import warmup as warmups
 from hydrohil.services.plant.config import GateLimits, PlantConfig
 from hydrohil.services.plant.device import Reading, Timeline
 from hydrohil.services.plant.trial import Schedule
@@ -20,7 +20,7 @@ PERIOD, LATCH = 90, 72  # sub-steps of the thesis' period and of its latch
 LEASE_NS = GateLimits().permit_ttl_ns
 FIRST = 3  # sample of the trial's first tick
 CONFIG = PlantConfig(bias_s=0.11)
-OPENED = FIRST + 24 + 1  # bias ticks before tick 0, and one sample until what its answer opened is told
+OPENED = FIRST + 24 + 1  # tare ticks before tick 0, and one sample until what its answer opened is told
 
 
 class Wall:
@@ -66,7 +66,7 @@ class Device:
     def readback(self):
         return None
 
-    def truth(self):
+    def ground_truth(self):
         return None
 
     def faults(self):
@@ -96,11 +96,11 @@ class Scene:
 
     def __init__(self, monkeypatch, clock_name="real", opened=True):
         self.wall, timeline = Wall(), Timeline()
-        for module in (service, heralds, clock, inbox):
+        for module in (service, warmups, clock, inbox):
             monkeypatch.setattr(module, "time", self.wall)
         self.bus, self.device = Peers(self.wall), Device(timeline)
         self.plant = service.Plant(self.bus, self.device, timeline, GateLimits(), lambda: False, LeaseChoice(fixed=True))
-        text = seal({}, run=0, seed=0, clock=clock_name, bias_ticks=24, duration_ticks=400)
+        text = seal({}, run=0, seed=0, clock=clock_name, tare_ticks=24, duration_ticks=400)
         self.plant.schedule = Schedule(CONFIG, unseal(text))
         while timeline.number < (OPENED if opened else FIRST - 1):
             self.period()
@@ -153,7 +153,7 @@ def test_the_stop_is_answered_with_the_codes_at_the_converter_and_stays(monkeypa
     assert len(query.replies) == 1 and b'"dac_counts": [2048, 2048, 2048]' in query.replies[0]
     for _ in range(5):
         scene.period()
-    assert scene.device.written[-1][1] == ZERO and scene.plant.keeper.gate.state == GateState.BURNED
+    assert scene.device.written[-1][1] == ZERO and scene.plant.keeper.gate.state == GateState.REVOKED
 
 
 def test_what_is_no_emergency_stop_keeps_the_way_of_sample_and_command_free(monkeypatch):
@@ -194,26 +194,26 @@ def test_in_lockstep_a_stop_is_served_while_the_plant_waits_for_an_answer(monkey
 def test_in_a_trial_on_the_wall_clock_the_last_sample_goes_out_twice_more_after_the_latch(monkeypatch):
     scene = Scene(monkeypatch)
     scene.period()
-    sent = len(scene.bus.of("plant/herald"))
+    sent = len(scene.bus.of("plant/warmup"))
     scene.plant.sample()
-    last, heralded = scene.bus.of("plant/sample")[-2], scene.bus.of("plant/herald")[sent:]
-    assert heralded == [last, last]
-    assert scene.plant.status()["heralds"] == sent + 2
+    last, warmed_up = scene.bus.of("plant/sample")[-2], scene.bus.of("plant/warmup")[sent:]
+    assert warmed_up == [last, last]
+    assert scene.plant.status()["warm-up frames"] == sent + 2
 
 
-def test_before_a_trial_no_sample_is_heralded(monkeypatch):
-    assert not Scene(monkeypatch, opened=False).bus.of("plant/herald")
+def test_before_a_trial_no_sample_is_warmuped(monkeypatch):
+    assert not Scene(monkeypatch, opened=False).bus.of("plant/warmup")
 
 
-def test_in_lockstep_no_sample_is_heralded(monkeypatch):
+def test_in_lockstep_no_sample_is_warmuped(monkeypatch):
     scene = Scene(monkeypatch)
     scene.plant.schedule.envelope = scene.plant.schedule.envelope._replace(clock="lockstep")
-    sent = len(scene.bus.of("plant/herald"))
+    sent = len(scene.bus.of("plant/warmup"))
     scene.plant.sample()
-    assert len(scene.bus.of("plant/herald")) == sent
+    assert len(scene.bus.of("plant/warmup")) == sent
 
 
-def test_answers_in_lockstep_which_come_at_the_latch_let_no_herald_rest(monkeypatch):
+def test_answers_in_lockstep_which_come_at_the_latch_let_no_warmup_rest(monkeypatch):
     scene = Scene(monkeypatch)
     real = scene.plant.schedule.envelope
     scene.plant.schedule.envelope = real._replace(clock="lockstep")
@@ -221,39 +221,39 @@ def test_answers_in_lockstep_which_come_at_the_latch_let_no_herald_rest(monkeypa
     for _ in range(2):
         scene.plant._count()
     scene.plant.schedule.envelope = real
-    sent = len(scene.bus.of("plant/herald"))
+    sent = len(scene.bus.of("plant/warmup"))
     scene.plant.sample()
-    assert len(scene.bus.of("plant/herald")) == sent + 2
+    assert len(scene.bus.of("plant/warmup")) == sent + 2
 
 
-def test_samples_are_heralded_no_more_while_they_are_not_answered(monkeypatch):
+def test_samples_are_warmuped_no_more_while_they_are_not_answered(monkeypatch):
     scene = Scene(monkeypatch)
     scene.bus.answer = lambda sample: None
     scene.period()
     scene.period()
-    sent = len(scene.bus.of("plant/herald"))
+    sent = len(scene.bus.of("plant/warmup"))
     scene.period()
-    assert sent > 0 and len(scene.bus.of("plant/herald")) == sent
+    assert sent > 0 and len(scene.bus.of("plant/warmup")) == sent
 
 
 @pytest.mark.parametrize(
-    ("clock_name", "stalled_ns", "burned"),
+    ("clock_name", "stalled_ns", "revoked"),
     [("real", LEASE_NS, set()), ("real", LEASE_NS + 1, {77}), ("lockstep", LEASE_NS + 1, set())],
 )
 def test_a_stall_before_the_first_tick_burns_the_arming_only_where_the_wall_clock_paces(
-    monkeypatch, clock_name, stalled_ns, burned
+    monkeypatch, clock_name, stalled_ns, revoked
 ):
     scene = Scene(monkeypatch, clock_name, opened=False)
     due_ns = scene.plant.grid.instant_ns(scene.plant.due)
     scene.wall.at(due_ns, lambda: setattr(scene.wall, "now_ns", due_ns + stalled_ns))
     scene.plant.sample()
-    assert scene.plant.keeper.burned == burned
+    assert scene.plant.keeper.revoked == revoked
 
 
 def test_a_stall_while_recovering_burns_the_arming_in_a_lockstep_cell_too(monkeypatch):
     scene = Scene(monkeypatch, "lockstep", opened=False)
-    scene.plant.keeper.gate = scene.plant.keeper.gate._replace(state=int(GateState.RECOVERING), arming=77)
+    scene.plant.keeper.gate = scene.plant.keeper.gate._replace(state=int(GateState.RECOVERING), arming_id=77)
     due_ns = scene.plant.grid.instant_ns(scene.plant.due)
     scene.wall.at(due_ns, lambda: setattr(scene.wall, "now_ns", due_ns + LEASE_NS + 1))
     scene.plant.sample()
-    assert scene.plant.keeper.burned == {77}
+    assert scene.plant.keeper.revoked == {77}

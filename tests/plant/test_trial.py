@@ -1,6 +1,6 @@
 import pytest
 
-from hydrohil.services.plant.config import PlantConfig, bias_ticks
+from hydrohil.services.plant.config import PlantConfig, tare_ticks
 from hydrohil.services.plant.trial import Schedule
 from hydrohil.shared.contract.envelope import seal, unseal
 from hydrohil.shared.contract.messages import NO_TRIAL
@@ -11,7 +11,7 @@ BIAS = 100
 
 
 def schedule(clock="real", config=CONFIG, seed=1):
-    return Schedule(config, unseal(seal({}, run=1, seed=seed, clock=clock, bias_ticks=BIAS, duration_ticks=50)))
+    return Schedule(config, unseal(seal({}, run=1, seed=seed, clock=clock, tare_ticks=BIAS, duration_ticks=50)))
 
 
 def test_without_an_envelope_there_is_no_trial():
@@ -23,7 +23,7 @@ def test_without_an_envelope_there_is_no_trial():
 
 def test_ticks_begin_with_the_bias_at_the_announced_sample_and_end_with_the_duration():
     trial = schedule()
-    assert bias_ticks(CONFIG) == BIAS
+    assert tare_ticks(CONFIG) == BIAS
     assert trial.tick(10) == NO_TRIAL
     trial.announce(10)
     assert [trial.tick(number) for number in (9, 10, 109, 110, 159, 160)] == [NO_TRIAL, -100, -1, 0, 49, NO_TRIAL]

@@ -2,8 +2,8 @@
 
 import pytest
 
-from hydrohil.services.plant import warmup as heralds
-from hydrohil.services.plant.warmup import LEADS_NS, REST, SLOW, Heralds
+from hydrohil.services.plant import warmup as warmups
+from hydrohil.services.plant.warmup import LEADS_NS, REST, SLOW, Warmups
 from hydrohil.shared.host import clock
 from hydrohil.shared.host.clock import Grid
 from hydrohil.shared.units import SUBSTEP_NS
@@ -43,16 +43,16 @@ class Bus(FakeBus):
 @pytest.fixture
 def wall(monkeypatch):
     made = Wall()
-    for module in (heralds, clock):
+    for module in (warmups, clock):
         monkeypatch.setattr(module, "time", made)
     return made
 
 
 def test_each_goes_out_at_its_instant_and_tells_the_last_sample(wall):
     bus, last = Bus(wall), sample(41)
-    made = Heralds(bus, Grid(), wanted=True)
+    made = Warmups(bus, Grid(), wanted=True)
     made.send(DUE, last)
-    assert bus.sent == [(DUE_NS - lead_ns, "plant/herald", last, (41, last.time_ns)) for lead_ns in LEADS_NS]
+    assert bus.sent == [(DUE_NS - lead_ns, "plant/warmup", last, (41, last.time_ns)) for lead_ns in LEADS_NS]
     assert made.sent == len(LEADS_NS)
 
 
@@ -60,44 +60,44 @@ def test_each_goes_out_at_its_instant_and_tells_the_last_sample(wall):
 def test_one_whose_instant_has_passed_is_left_out(wall, early_ns, sent):
     bus, grid = Bus(wall), Grid()
     wall.now_ns = DUE_NS - LEADS_NS[0] - early_ns
-    Heralds(bus, grid, wanted=True).send(DUE, sample(41))
+    Warmups(bus, grid, wanted=True).send(DUE, sample(41))
     assert len(bus.sent) == sent
 
 
 def rested(made, wall, *, after_ns):
-    """Samples until heralds go out again, each answered `after_ns`."""
+    """Samples until warm-up frames go out again, each answered `after_ns`."""
     for number in range(REST + 2):
         sent = made.sent
         made.send(Grid().substep_at(wall.now_ns) + (number + 1) * DUE, sample(number))
         if made.sent > sent:
             return number
-        made.heed(after_ns, LATCH_NS)
+        made.observe(after_ns, LATCH_NS)
     return None
 
 
 def test_they_rest_after_two_slow_answers_in_a_row_and_then_come_again(wall):
-    made = Heralds(Bus(wall), Grid(), wanted=True)
-    made.heed(SLOW_NS, LATCH_NS)
-    made.heed(LATCH_NS, LATCH_NS)
+    made = Warmups(Bus(wall), Grid(), wanted=True)
+    made.observe(SLOW_NS, LATCH_NS)
+    made.observe(LATCH_NS, LATCH_NS)
     assert rested(made, wall, after_ns=SLOW_NS - 1) == REST
 
 
 @pytest.mark.parametrize("answers", [(SLOW_NS,), (SLOW_NS, SLOW_NS - 1, SLOW_NS), (SLOW_NS - 1,) * 9, (LATCH_NS, 0)])
 def test_they_do_not_rest_after_a_single_slow_answer(wall, answers):
-    made = Heralds(Bus(wall), Grid(), wanted=True)
+    made = Warmups(Bus(wall), Grid(), wanted=True)
     for after_ns in answers:
-        made.heed(after_ns, LATCH_NS)
+        made.observe(after_ns, LATCH_NS)
     assert rested(made, wall, after_ns=0) == 0
 
 
 def test_they_go_on_resting_while_answers_stay_slow(wall):
-    made = Heralds(Bus(wall), Grid(), wanted=True)
-    made.heed(SLOW_NS, LATCH_NS)
-    made.heed(SLOW_NS, LATCH_NS)
+    made = Warmups(Bus(wall), Grid(), wanted=True)
+    made.observe(SLOW_NS, LATCH_NS)
+    made.observe(SLOW_NS, LATCH_NS)
     assert rested(made, wall, after_ns=SLOW_NS) is None
 
 
 def test_whoever_wants_none_gets_none(wall):
-    made = Heralds(Bus(wall), Grid(), wanted=False)
+    made = Warmups(Bus(wall), Grid(), wanted=False)
     made.send(DUE, sample(41))
     assert made.sent == 0 and wall.now_ns == 0

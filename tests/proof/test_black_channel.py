@@ -2,7 +2,7 @@
 
 Each frame goes through the plant's receiver as in a cell: codec, acceptance, mailbox, protection, gate. The gate stands open
 on a permit and a command; what is not ours is discarded and counted, and moves nothing; what is ours but wrong, or stays
-away for longer than its lease, shuts it and burns the arming.
+away for longer than its lease, shuts it and revokes the arming.
 """
 
 import math
@@ -39,7 +39,7 @@ class Channel(Scene):
         return permit_body() if key == PERMIT else command_body(codes)
 
     def frame(self, key, codes=MOVING, seq=None, body=None, **changes):
-        head = header(key, self.next[key] if seq is None else seq, **({"arming": 77} | self.echo() | changes))
+        head = header(key, self.next[key] if seq is None else seq, **({"arming_id": 77} | self.echo() | changes))
         return encode(expression(CELL, key), head, self.body(key, codes) if body is None else body)
 
     def put(self, key, frame=None, **changes):
@@ -63,7 +63,7 @@ class Counted(NamedTuple):
 
 
 class Cut(NamedTuple):
-    """The gate is at zero, for this cause (of permit and of command), and the arming is burned."""
+    """The gate is at zero, for this cause (of permit and of command), and the arming is revoked."""
 
     permit: GateCause
     command: GateCause
@@ -157,7 +157,7 @@ def resealed(change):
 
 def of_another_key(channel, key):
     """A frame of the right sender that was sealed for another cell's key, moved here."""
-    head = header(key, channel.next[key], arming=77, **channel.echo())
+    head = header(key, channel.next[key], arming_id=77, **channel.echo())
     channel.good(key)
     channel.put(key, encode(expression("left", key), head, channel.body(key, OTHERS)))
 
@@ -188,7 +188,7 @@ TABLE = {
     ("insertion", "run"): (with_another(run=8), Counted("other_run")),
     ("insertion", "experiment hash"): (with_another(experiment=b"another"), Counted("other_run")),
     ("insertion", "epoch"): (with_another(epoch=99), both(GateCause.EPOCH_CHANGED)),
-    ("insertion", "arming"): (with_another(arming=78), both(GateCause.OTHER_ARMING)),
+    ("insertion", "arming_id"): (with_another(arming_id=78), both(GateCause.OTHER_ARMING)),
     ("insertion", "schema"): (with_another(schema=1), Counted("schema")),
     ("insertion", "wire version"): (with_another(version=2), Counted("version")),
     ("resequencing", "seq"): (swapped, Counted("sequence")),
@@ -227,17 +227,17 @@ def test_each_failure_mode_meets_its_measure(attack, outcome, key):
     assert channel.device.codes == ZERO
     cause = channel.keeper.last_cut
     assert cause == (outcome.permit if key == PERMIT else outcome.command)
-    assert 77 in channel.keeper.burned
+    assert 77 in channel.keeper.revoked
     channel.now_ns += 5_000 * MS
     channel.tick(KEYS)
-    assert channel.judge().cause in (GateCause.BURNED_ARMING, GateCause.EPOCH_CHANGED, GateCause.NO_PERMIT)
+    assert channel.judge().cause in (GateCause.REVOKED_ARMING, GateCause.EPOCH_CHANGED, GateCause.NO_PERMIT)
     assert channel.device.codes == ZERO
 
 
 def counts(channel, key):
     acceptance = channel.inbox(key).acceptance
     return dict(acceptance.discarded) | {
-        name: getattr(acceptance, name) for name in ("lost", "other_run", "link_faults", "rivals")
+        name: getattr(acceptance, name) for name in ("lost", "other_run", "link_faults", "epoch_conflicts")
     }
 
 
@@ -257,7 +257,7 @@ def test_a_flood_of_strangers_stops_nobody_and_is_counted(key):
         channel.tick(KEYS)
         assert channel.judge().state == GateState.OPEN
     assert channel.device.codes == MOVING
-    assert counts(channel, key)["link_faults"] == counts(channel, key)["rivals"] == 0
+    assert counts(channel, key)["link_faults"] == counts(channel, key)["epoch_conflicts"] == 0
     assert counts(channel, key)["cell"] == counts(channel, key)["other_run"] == 50
 
 

@@ -10,18 +10,22 @@ from typing import NamedTuple
 import pytest
 
 from hydrohil.services.plant.config import GateLimits
-from hydrohil.services.plant.gate import CommandSeen, GateInput, GateMemory, PermitSeen, gate_step
+from hydrohil.services.plant.gate import CommandObservation, GateInput, GateMemory, PermitObservation, gate_step
 from hydrohil.services.supervisor.modes import Event
 from hydrohil.services.supervisor.observe import Heard, observe_step
 from hydrohil.services.supervisor.rules import first_broken
 from hydrohil.services.supervisor.step import SupervisorMemory, supervisor_step
 from hydrohil.shared.contract.messages import NO_COMMAND, NO_TRIAL, GateState, Mode
-from tests.support.supervisor_scene import ABOUT, LEVEL, PARAMS, asked, sample
+from tests.support.supervisor_scene import DESCRIPTION, LEVEL, PARAMS, asked, sample
 
 LIMITS = GateLimits()
 ZERO = (2048, 2048, 2048)
-NOW = PARAMS._replace(observing=PARAMS.observing._replace(bias_ticks=0), lead_samples=1, recover_samples=1)
-BEYOND = (LEVEL[0], round((0.6 - ABOUT.encoders[1].offset) / ABOUT.encoders[1].scale), *LEVEL[2:])  # link 2 past its 27 deg
+NOW = PARAMS._replace(observing=PARAMS.observing._replace(tare_ticks=0), lead_samples=1, recover_samples=1)
+BEYOND = (
+    LEVEL[0],
+    round((0.6 - DESCRIPTION.encoders[1].offset) / DESCRIPTION.encoders[1].scale),
+    *LEVEL[2:],
+)  # link 2 past its 27 deg
 
 
 class Flags(NamedTuple):
@@ -62,12 +66,12 @@ def sampled(state, number, flags):
     return sample(number, tick, gate=gate.state, gate_cause=gate.cause, dac_counts=gate.codes, **changes)
 
 
-def judged(seen, memory, arming, permit, flags):
+def judged(seen, memory, arming_id, permit, flags):
     """What the gate does with the permit and an answer of the same arming."""
     unloads = permit.mode == Mode.RECOVER
     codes = tuple(2048 + 12 * (sign if unloads else 1) for sign in permit.recover_signs)
-    of_permit = PermitSeen(True, arming, 1, permit.mode, 4_000_000, permit.recover_signs)
-    command = CommandSeen(not flags.controller, arming, 2, 4_000_000, seen.number, codes)
+    of_permit = PermitObservation(True, arming_id, 1, permit.mode, 4_000_000, permit.recover_signs)
+    command = CommandObservation(not flags.controller, arming_id, 2, 4_000_000, seen.number, codes)
     force_n = seen.force_counts * PARAMS.observing.calibration.force_n_per_count
     return gate_step(
         memory, LIMITS, GateInput(of_permit, command, seen.force_counts, force_n, seen.tick, flags.pressed, False, 0, 0), True
@@ -86,15 +90,15 @@ def stepped(state, number, flags, event):
             supervisor=state.supervisor._replace(watch=state.supervisor.watch._replace(last_number=number - 10))
         )
     seen = sampled(state[:2], number, flags)
-    wanted = asked(event, new_arming=number, agreed=not flags.disagreed, controller_ready=not flags.controller)
+    wanted = asked(event, new_arming_id=number, agreed=not flags.disagreed, controller_ready=not flags.controller)
     broken = first_broken(judged_by_rules(state.supervisor, seen, wanted), NOW.limits)[0]
     supervisor, permit = supervisor_step(state.supervisor, NOW, seen, wanted)
-    return supervisor, judged(seen, state.gate, supervisor.arming, permit, flags), seen, broken
+    return supervisor, judged(seen, state.gate, supervisor.arming_id, permit, flags), seen, broken
 
 
 def acts_after(state, supervisor, gate, event):
     """The operator's acts that count: every trip, cut and disarming forgets them."""
-    if supervisor.mode in (Mode.TRIPPED, Mode.DISARMED) or gate.state == GateState.BURNED:
+    if supervisor.mode in (Mode.TRIPPED, Mode.DISARMED) or gate.state == GateState.REVOKED:
         return ()
     new = event in (Event.ARM, Event.START) and event not in state.acts and (event == Event.ARM or Event.ARM in state.acts)
     return (*state.acts, event) if new else state.acts
@@ -108,8 +112,8 @@ def check(before, after, flags, event, seen, broken):
     if not flows:
         return
     assert not (flags.pressed or flags.controller) and event not in (Event.ESTOP, Event.STOP)
-    assert gate.arming == supervisor.arming != 0
-    assert gate.arming not in before.gate.burned
+    assert gate.arming_id == supervisor.arming_id != 0
+    assert gate.arming_id not in before.gate.revoked
     assert event != Event.RESET or gate == stepped(before, seen.number, flags, Event.NOTHING)[1]  # a reset moves nothing
     if supervisor.mode == Mode.RUNNING:
         assert (broken, flags.force, flags.joint, flags.lost) == (0, False, False, False)
@@ -172,7 +176,7 @@ def test_the_starts_are_what_they_are_called():
 def test_in_every_sequence_current_flows_only_with_everything_quiet_and_every_act_done(steps, length):
     reached, taken = walk(STARTS, steps, length)
     assert {state.supervisor.mode for state in reached} == set(map(int, Mode))
-    assert {GateState.OPEN, GateState.RECOVERING, GateState.BURNED, GateState.SHUT} == {state.gate.state for state in reached}
+    assert {GateState.OPEN, GateState.RECOVERING, GateState.REVOKED, GateState.SHUT} == {state.gate.state for state in reached}
     assert taken >= len(steps) * len(STARTS) * length
 
 

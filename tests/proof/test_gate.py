@@ -11,29 +11,34 @@ import pytest
 
 from hydrohil.services.plant.gate import GateInput, GateMemory, gate_step
 from hydrohil.shared.contract.messages import GateCause, GateState, Mode
-from tests.support.gate_scene import ARMING, COMMAND, CONTROLLER, FINE, LIMITS, OTHER, PERMIT, SUPERVISOR, TTL, ZERO
+from tests.support.gate_scene import ARMING_ID, COMMAND, CONTROLLER, FINE, LIMITS, OTHER, PERMIT, SUPERVISOR, TTL, ZERO
 
 OPEN = (GateState.OPEN, GateState.RECOVERING)
 SIGNS = (0, -1, 0)
 TIGHT = LIMITS.tight_slew_codes
 LAST = (2048, 2028, 2048)  # at the D/A of an open gate
 GOOD, TOO_FAR, LOADING, OUTSIDE = (2048, 1948, 2048), (2048, 1927, 2048), (2048, 2049, 2048), (2048, 819, 2048)
-BURNED = (ARMING,) + (0,) * 15
+REVOKED = (ARMING_ID,) + (0,) * 15
 FRESH = GateMemory()
-RUN = GateMemory(int(GateState.OPEN), 0, LAST, 99, 3, ARMING, SUPERVISOR, CONTROLLER)
+RUN = GateMemory(int(GateState.OPEN), 0, LAST, 99, 3, ARMING_ID, SUPERVISOR, CONTROLLER)
 RECOVERING = RUN._replace(state=int(GateState.RECOVERING), recover_signs=SIGNS)
 
 
 def permits(mode):
     """(holds, permit): present, arming other than 0, arming that was bound, echo known, echo fresh, epoch that was bound."""
     for present, armed, bound, known, fresh, epoch in product((True, False), repeat=6):
-        arming = (ARMING if bound else OTHER) if armed else 0
+        arming_id = (ARMING_ID if bound else OTHER) if armed else 0
         age = -1 if not known else TTL if fresh else TTL + 1
         holds = present, armed, bound, known, fresh or not known, epoch
         yield (
             holds,
             PERMIT._replace(
-                present=present, mode=int(mode), arming=arming, age_ns=age, epoch=SUPERVISOR + (not epoch), recover_signs=SIGNS
+                present=present,
+                mode=int(mode),
+                arming_id=arming_id,
+                age_ns=age,
+                epoch=SUPERVISOR + (not epoch),
+                recover_signs=SIGNS,
             ),
         )
 
@@ -46,7 +51,7 @@ def commands():
         yield (
             (present, same, known, fresh or not known, epoch, codes),
             COMMAND._replace(
-                present=present, arming=ARMING if same else OTHER, age_ns=age, epoch=CONTROLLER + (not epoch), codes=codes
+                present=present, arming_id=ARMING_ID if same else OTHER, age_ns=age, epoch=CONTROLLER + (not epoch), codes=codes
             ),
         )
 
@@ -56,10 +61,10 @@ def circumstances():
     for holds in product((True, False), repeat=7):
         valid, below, begun, released, awake, clean, alone = holds
         rest = 10 if valid else 518, 420.0 if below else 420.1, 0 if begun else -1, not released, not awake
-        yield holds, {**dict(zip(CIRCUMSTANCES, rest, strict=False)), "link_faults": 2 - clean, "rivals": 2 - alone}
+        yield holds, {**dict(zip(CIRCUMSTANCES, rest, strict=False)), "link_faults": 2 - clean, "epoch_conflicts": 2 - alone}
 
 
-CIRCUMSTANCES = ("force_counts", "force_n", "tick", "estop", "overslept")
+CIRCUMSTANCES = ("force_counts", "force_n", "tick", "estop", "overran")
 REST = [(holds, FINE._replace(**rest)) for holds, rest in circumstances()]
 
 
@@ -68,12 +73,12 @@ def chosen(messages, at_most):
     return [(holds, message) for holds, message in messages if sum(held is False for held in holds) <= at_most]
 
 
-def may_open(memory, mode, of_permit, of_command, rest, burned):
+def may_open(memory, mode, of_permit, of_command, rest, revoked):
     """The rule in other words: all of these, whatever their order."""
     present, armed, bound, known, fresh, same_supervisor = of_permit
     there, same, command_known, command_fresh, same_controller, codes = of_command
     valid, below, begun, released, awake, clean, alone = rest
-    was_open = memory.arming != 0
+    was_open = memory.arming_id != 0
     held = (
         present
         and armed
@@ -87,7 +92,7 @@ def may_open(memory, mode, of_permit, of_command, rest, burned):
         and clean
         and alone
     )
-    agree = (bound if same else not bound) and not burned
+    agree = (bound if same else not bound) and not revoked
     unchanged = not was_open or (bound and same_supervisor and same_controller)
     if mode == Mode.RUNNING:
         near = codes != OUTSIDE and abs(codes[1] - memory.codes[1]) <= TIGHT
@@ -104,10 +109,10 @@ def opened_against_the_rule(memory, mode, at_most):
             for rest, around in REST:
                 seen = GateInput(permit, command, *around[2:])
                 after = gate_step(memory, LIMITS, seen, True)
-                burned = permit.arming in memory.burned and permit.arming != 0
+                revoked = permit.arming_id in memory.revoked and permit.arming_id != 0
                 is_open = after.codes != ZERO or after.state in OPEN
                 opened += is_open
-                if is_open != may_open(memory, mode, of_permit, of_command, rest, burned) or (is_open and after.cause):
+                if is_open != may_open(memory, mode, of_permit, of_command, rest, revoked) or (is_open and after.cause):
                     wrong.append((seen, after))
     return wrong, opened
 
@@ -127,8 +132,8 @@ def test_current_flows_if_and_only_if_every_condition_holds(memory, mode):
 @pytest.mark.parametrize("mode", Mode)
 @pytest.mark.parametrize(
     "memory",
-    [FRESH, RUN, RECOVERING, FRESH._replace(burned=BURNED), GateMemory(int(GateState.BURNED), 4, burned=BURNED)],
-    ids=["shut", "open", "recovering", "shut after a cut", "burned"],
+    [FRESH, RUN, RECOVERING, FRESH._replace(revoked=REVOKED), GateMemory(int(GateState.REVOKED), 4, revoked=REVOKED)],
+    ids=["shut", "open", "recovering", "shut after a cut", "revoked"],
 )
 def test_current_flows_if_and_only_if_every_condition_holds_in_every_mode_and_state(memory, mode):
     wrong, opened = opened_against_the_rule(memory, mode, 6)
@@ -145,9 +150,9 @@ def test_any_cut_burns_its_arming_whatever_was_broken():
                 for _, command in commands():
                     cut = gate_step(memory, LIMITS, GateInput(permit, command, *rest[2:]), True)
                     if cut.codes == ZERO and cut.state not in OPEN:
-                        assert ARMING in cut.burned
+                        assert ARMING_ID in cut.revoked
                         again = gate_step(cut, LIMITS, FINE, True)
-                        assert (again.codes, again.cause) == (ZERO, GateCause.BURNED_ARMING)
+                        assert (again.codes, again.cause) == (ZERO, GateCause.REVOKED_ARMING)
 
 
 def test_a_gate_that_has_never_opened_is_at_zero():

@@ -20,8 +20,8 @@ WRONG = st.sampled_from(
         {"force_counts": 518},
         {"force_counts": -1},
         {"encoder_counts": BENT},
-        {"gate": int(GateState.BURNED), "gate_cause": int(GateCause.COMMAND_STALE)},
-        {"gate": int(GateState.BURNED), "gate_cause": int(GateCause.ESTOP)},
+        {"gate": int(GateState.REVOKED), "gate_cause": int(GateCause.COMMAND_STALE)},
+        {"gate": int(GateState.REVOKED), "gate_cause": int(GateCause.ESTOP)},
         {"command_number": 0},
     ]
 )
@@ -49,7 +49,7 @@ class PermitUnderFire(RuleBasedStateMachine):
             self.number += not stale_ns
             self.drawn += 1
             seen = sample(self.number, self.tick(), **changes)
-            wanted = asked(event, new_arming=self.drawn, stale_ns=stale_ns, **heard)
+            wanted = asked(event, new_arming_id=self.drawn, stale_ns=stale_ns, **heard)
             running = self.memory.mode == Mode.RUNNING
             observed = observe_step(
                 self.memory.watch, PARAMS.observing, seen, Heard(running, stale_ns, wanted.controller_ready, wanted.links)
@@ -109,12 +109,12 @@ class PermitUnderFire(RuleBasedStateMachine):
         if self.event == Event.RESET:
             assert now not in PERMITTED or now == was != Mode.RECOVER  # a reset grants nothing
         if now == Mode.RUNNING:
-            assert was in (Mode.ARMED, Mode.RUNNING) and self.memory.arming == self.before.arming
+            assert was in (Mode.ARMED, Mode.RUNNING) and self.memory.arming_id == self.before.arming_id
         if now == Mode.ARMED and was != Mode.ARMED:
             assert (was, self.event) == (Mode.DISARMED, Event.ARM)
-        if self.memory.arming not in (0, self.before.arming):
-            assert self.memory.arming not in self.used
-            self.used.add(self.memory.arming)
+        if self.memory.arming_id not in (0, self.before.arming_id):
+            assert self.memory.arming_id not in self.used
+            self.used.add(self.memory.arming_id)
         stopped = self.event == Event.ESTOP or self.pressed
         if stopped:
             assert now == Mode.TRIPPED
@@ -123,7 +123,7 @@ class PermitUnderFire(RuleBasedStateMachine):
 
     @invariant()
     def an_arming_exists_where_motion_may_be_permitted_and_nowhere_else(self):
-        assert (self.memory.arming != 0) == (self.memory.mode in PERMITTED)
+        assert (self.memory.arming_id != 0) == (self.memory.mode in PERMITTED)
 
     @invariant()
     def the_permit_says_what_the_supervisor_holds(self):

@@ -14,7 +14,7 @@ from hydrohil.shared.contract.codec import Received
 from hydrohil.shared.contract.file_parts import part, parts_of
 from hydrohil.shared.units import NS_PER_S
 from tests.recorder.test_recording import entities, read, texts
-from tests.support.recorder_trial import BIAS_TICKS, exact, trial
+from tests.support.recorder_trial import TARE_TICKS, exact, trial
 
 TICKS = 500
 CHUNKS_A_MINUTE = 3000  # 2200 were counted; the index of a file is as long as its chunks are many
@@ -140,7 +140,7 @@ def test_a_kill_costs_no_more_than_the_batches_that_are_being_filled(tmp_path: P
         warnings.simplefilter("ignore")  # no footer
         numbers, _ = read(path, "topic/plant/sample", "sample")
         lines = texts(path, "log/supervisor", "TextLog:text")
-    sent = 30 + BIAS_TICKS + 600
+    sent = 30 + TARE_TICKS + 600
     assert sent > len(numbers) > sent - (FLUSH_NS // 4_500_000 + 20)  # a second, and what comes between two looks
     assert (np.diff(numbers) == 1).all()
     assert "armed -> running" in lines  # lines of the log wait for no batch

@@ -10,8 +10,8 @@ from hydrohil.services.recorder.recorder import Recorder
 from hydrohil.services.recorder.recording import Recording, unused
 from hydrohil.services.recorder.rows import Rows
 from hydrohil.shared.contract.codec import Received, Rejected
-from hydrohil.shared.contract.messages import About
-from tests.support.recorder_trial import BIAS_TICKS, PERIOD_NS, exact, trial
+from hydrohil.shared.contract.messages import PlantDescription
+from tests.support.recorder_trial import PERIOD_NS, TARE_TICKS, exact, trial
 
 
 def read(path: Path, entity: str, timeline: str) -> tuple[np.ndarray, np.ndarray]:
@@ -44,7 +44,7 @@ def recorded(tmp_path_factory: pytest.TempPathFactory) -> tuple[Path, list[Recei
     """One trial with two missing truths, one refused frame and a trip; its file and the recorder's report."""
     rr.set_strict_mode(True)
     path = tmp_path_factory.mktemp("run") / "trial.rrd"
-    messages = [m for m in trial(200, trip_tick=180) if not (m.topic == "plant/truth" and m.header.seq in (300, 301))]
+    messages = [m for m in trial(200, trip_tick=180) if not (m.topic == "plant/ground_truth" and m.header.seq in (300, 301))]
     recorder = Recorder("bench")
     recorder.record(path, "Static force control", "# before")
     for k in range(0, len(messages), 40):
@@ -54,7 +54,9 @@ def recorded(tmp_path_factory: pytest.TempPathFactory) -> tuple[Path, list[Recei
     return path, messages, recorder.finish("# Verdict: PASS")
 
 
-@pytest.mark.parametrize("topic", ["plant/sample", "plant/truth", "controller/state", "controller/command", "supervisor/permit"])
+@pytest.mark.parametrize(
+    "topic", ["plant/sample", "plant/ground_truth", "controller/state", "controller/command", "supervisor/permit"]
+)
 def test_every_topic_reads_back_exactly(recorded: tuple[Path, list[Received], dict], topic: str):
     path, messages, report = recorded
     expected = exact([m for m in messages if m.topic == topic])
@@ -65,7 +67,7 @@ def test_every_topic_reads_back_exactly(recorded: tuple[Path, list[Received], di
 
 def test_the_trial_time_is_the_samples_own(recorded: tuple[Path, list[Received], dict]):
     times, _ = read(recorded[0], "topic/plant/sample", "trial_time")
-    np.testing.assert_array_equal(times, PERIOD_NS * np.arange(-BIAS_TICKS, 200))
+    np.testing.assert_array_equal(times, PERIOD_NS * np.arange(-TARE_TICKS, 200))
 
 
 def test_the_file_has_its_footer_its_layout_and_the_arm(recorded: tuple[Path, list[Received], dict]):
@@ -80,18 +82,18 @@ def test_the_file_has_its_footer_its_layout_and_the_arm(recorded: tuple[Path, li
 def test_the_gaps_are_counted_exactly_and_stand_in_the_recording(recorded: tuple[Path, list[Received], dict]):
     path, _, report = recorded
     assert report["gaps"] == 2
-    assert report["gaps_by_topic"]["plant/truth plant"] == 2
-    assert read(path, "missing/plant/truth/plant", "sample")[1][-1] == 2.0
+    assert report["gaps_by_topic"]["plant/ground_truth plant"] == 2
+    assert read(path, "missing/plant/ground_truth/plant", "sample")[1][-1] == 2.0
     assert read(path, "missing/plant/sample/plant", "sample")[1].max() == 0.0
     told = texts(path, "log/recorder", "TextLog:text")
-    assert "2 missing on plant/truth from plant: 300 to 301" in told
+    assert "2 missing on plant/ground_truth from plant: 300 to 301" in told
     assert "1 refused on plant/sample: crc, checksum differs" in told
 
 
 def test_the_summary_ends_as_the_verdict_with_the_counts(recorded: tuple[Path, list[Received], dict]):
     last = texts(recorded[0], "summary", "TextDocument:text")[-1]
     assert last.startswith("# Verdict: PASS")
-    assert "| plant/truth | 672 | 2 |" in last
+    assert "| plant/ground_truth | 672 | 2 |" in last
 
 
 def test_the_report_has_what_the_operator_prints(recorded: tuple[Path, list[Received], dict]):
@@ -156,7 +158,7 @@ def test_without_a_recording_everything_is_counted_and_nothing_written(tmp_path:
     recorder.take(m for m in trial(20) if m.header.seq != 100)
     status = recorder.status()
     assert status["recording"]["path"] == ""
-    assert status["received"]["plant/truth plant"]["missing"] == 1
+    assert status["received"]["plant/ground_truth plant"]["missing"] == 1
     assert recorder.finish()["failure"] == "no recording is open"
 
 
@@ -178,11 +180,11 @@ def test_the_next_record_closes_the_one_before(tmp_path: Path):
     recorder.finish()
     for name in ("trial.rrd", "trial-2.rrd"):
         assert RrdReader(tmp_path / name).store() is not None
-        assert len(read(tmp_path / name, "topic/plant/sample", "sample")[0]) == 30 + BIAS_TICKS + 20
+        assert len(read(tmp_path / name, "topic/plant/sample", "sample")[0]) == 30 + TARE_TICKS + 20
 
 
 def test_the_layout_follows_the_axis_of_the_force_gauge(tmp_path: Path):
-    messages = [m._replace(body=m.body._replace(force_axis=0)) if isinstance(m.body, About) else m for m in trial(5)]
+    messages = [m._replace(body=m.body._replace(force_axis=0)) if isinstance(m.body, PlantDescription) else m for m in trial(5)]
     recorder = Recorder("bench")
     recorder.record(tmp_path / "trial.rrd", "crate")
     recorder.take(messages)

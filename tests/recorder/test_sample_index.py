@@ -1,4 +1,4 @@
-from hydrohil.services.recorder.sample_index import Place, Places, sample_numbers
+from hydrohil.services.recorder.sample_index import Place, SampleIndex, sample_numbers
 from hydrohil.shared.contract.messages import NO_TRIAL, Command, Sample
 from tests.support.recorder_trial import received, trial
 
@@ -8,7 +8,7 @@ def samples(ticks: int = 5) -> list[Sample]:
 
 
 def test_a_sample_of_a_trial_has_its_trial_time_and_one_outside_has_none():
-    places = Places()
+    places = SampleIndex()
     outside, inside = samples()[0], samples()[-1]
     assert outside.tick == NO_TRIAL
     assert places.add(outside, 1).trial_time_ns is None
@@ -16,11 +16,11 @@ def test_a_sample_of_a_trial_has_its_trial_time_and_one_outside_has_none():
 
 
 def test_what_never_came_has_a_number_and_no_time():
-    assert Places().at(17) == Place(17, None, 0)
+    assert SampleIndex().at(17) == Place(17, None, 0)
 
 
 def test_the_map_keeps_as_many_as_it_was_told_and_no_more():
-    places, every = Places(kept=3), samples()[-4:]
+    places, every = SampleIndex(kept=3), samples()[-4:]
     for sample in every:
         places.add(sample, 1)
     assert [places.knows(s.number) for s in every] == [False, True, True, True]

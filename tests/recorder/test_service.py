@@ -14,7 +14,7 @@ from hydrohil.services.recorder.recorder import Recorder
 from hydrohil.shared.transport.bus import Bus
 from hydrohil.shared.transport.requests import Request
 from tests.recorder.test_recording import read, texts
-from tests.support.recorder_trial import BIAS_TICKS, trial
+from tests.support.recorder_trial import TARE_TICKS, trial
 
 
 class Asked:
@@ -30,14 +30,14 @@ def test_record_status_and_finish_are_answered_with_what_was_written(tmp_path: P
     recorder = Recorder("bench")
     assert Asked(recorder, tmp_path, "record", path="a/b.rrd", title="t").values["path"] == str(tmp_path / "a" / "b.rrd")
     recorder.take(trial(20))
-    assert Asked(recorder, tmp_path, "status").values["received"]["plant/sample plant"]["received"] == 20 + BIAS_TICKS + 30
+    assert Asked(recorder, tmp_path, "status").values["received"]["plant/sample plant"]["received"] == 20 + TARE_TICKS + 30
     finished = Asked(recorder, tmp_path, "finish", summary_markdown="# PASS").values
     assert finished["gaps"] == 0
     assert finished["bytes"] == (tmp_path / "a" / "b.rrd").stat().st_size
 
 
 QUALIFICATION = {
-    "signed_period_ns": 4_500_000,
+    "qualified_period_ns": 4_500_000,
     "grade": "B",
     "made": "2026-11-28 02:00:00+00:00",
     "period_ns": 4_500_000,
@@ -51,7 +51,7 @@ QUALIFICATION = {
 
 @pytest.mark.parametrize(
     ("told", "words", "grade"),
-    [(QUALIFICATION, "signed for 222.2 Hz, grade B (2026-11-28", ["B"]), (None, "not qualified", [])],
+    [(QUALIFICATION, "qualified for 222.2 Hz, grade B (2026-11-28", ["B"]), (None, "not qualified", [])],
 )
 def test_a_recording_carries_how_its_host_is_qualified(tmp_path: Path, told: Any, words: str, grade: list[str]):
     recorder = Recorder("bench")
@@ -115,7 +115,7 @@ def free_ports() -> int:
         return int(probe.getsockname()[1])
 
 
-SENT = 400 + BIAS_TICKS + 30
+SENT = 400 + TARE_TICKS + 30
 
 
 def started(plant: Bus, port: int, folder: Path) -> subprocess.Popen[bytes]:

@@ -9,8 +9,8 @@ from hydrohil.services.recorder.scene import FORCE, TIP
 from hydrohil.services.recorder.writer import ANSWER_LATENCY, Writer
 from hydrohil.shared.contract.codec import Received
 from hydrohil.shared.contract.converters import UNIMATE_ENCODERS
-from hydrohil.shared.contract.messages import Command, ControllerState, InboxCounts, Permit, Reception, Sample
-from tests.support.recorder_trial import BIAS_TICKS, FIRST_NUMBER, PERIOD_NS, exact, received, trial
+from hydrohil.shared.contract.messages import Command, ControllerState, InboxCounts, LinkStats, Permit, Sample
+from tests.support.recorder_trial import FIRST_NUMBER, PERIOD_NS, TARE_TICKS, exact, received, trial
 
 
 def write(messages: list[Received], batch_rows: int = 50) -> list[Rows]:
@@ -30,7 +30,9 @@ def matrix(written: list[Rows], entity: str) -> np.ndarray:
     return np.concatenate([rows.values for rows in of(written, entity)])
 
 
-@pytest.mark.parametrize("topic", ["plant/sample", "plant/truth", "controller/state", "controller/command", "supervisor/permit"])
+@pytest.mark.parametrize(
+    "topic", ["plant/sample", "plant/ground_truth", "controller/state", "controller/command", "supervisor/permit"]
+)
 def test_every_message_is_written_once_in_order_and_exactly(topic: str):
     messages = list(trial(150))
     written = write(messages)
@@ -45,7 +47,7 @@ def test_no_batch_mixes_rows_inside_and_outside_a_trial():
     inside = [rows for rows in batches if rows.times.trial_ns is not None]
     assert sum(len(rows.values) for rows in outside) == 30
     times = np.concatenate([rows.times.trial_ns for rows in inside])
-    np.testing.assert_array_equal(times, PERIOD_NS * np.arange(-BIAS_TICKS, 20))
+    np.testing.assert_array_equal(times, PERIOD_NS * np.arange(-TARE_TICKS, 20))
 
 
 def placed(written: list[Rows], entity: str) -> list[tuple[int, int]]:
@@ -53,13 +55,13 @@ def placed(written: list[Rows], entity: str) -> list[tuple[int, int]]:
     return [(n, t) for times in inside for n, t in zip(times.samples, times.trial_ns, strict=True)]
 
 
-@pytest.mark.parametrize("topic", ["plant/truth", "controller/command"])
+@pytest.mark.parametrize("topic", ["plant/ground_truth", "controller/command"])
 def test_a_message_that_overtakes_its_sample_waits_for_it(topic: str):
     messages = list(trial(100))
     overtaken = sorted(messages, key=lambda m: m.header.seq + (0.5 if m.topic == "plant/sample" else 0.0))
     times = placed(write(overtaken, 7), f"topic/{topic}")
     assert times == placed(write(messages, 7), f"topic/{topic}")
-    assert len(times) == 100 + BIAS_TICKS
+    assert len(times) == 100 + TARE_TICKS
 
 
 def test_those_that_wait_for_their_sample_are_looked_at_once_a_batch(monkeypatch: pytest.MonkeyPatch):
@@ -78,7 +80,7 @@ def test_messages_taken_together_are_written_as_those_taken_one_by_one():
     for _, run in groupby(messages, lambda m: m.topic):
         writer.take(*run)
     writer.flush(everything=True)
-    for topic in ("plant/sample", "controller/command", "supervisor/permit", "plant/truth"):
+    for topic in ("plant/sample", "controller/command", "supervisor/permit", "plant/ground_truth"):
         entity = f"topic/{topic}"
         np.testing.assert_array_equal(matrix(written, entity), matrix(write(messages), entity))
         assert placed(written, entity) == placed(write(messages), entity)
@@ -96,7 +98,7 @@ def test_counters_are_written_several_at_a_time_and_none_is_left_behind():
     assert len(of(written, "missing/plant/sample/plant")) == told  # a slow batch waits until it is full
     writer.flush(everything=True)
     rows = of(written, "missing/plant/sample/plant")
-    np.testing.assert_array_equal(np.concatenate([r.values[:, 0] for r in rows]), FIRST_NUMBER + np.arange(3 + BIAS_TICKS))
+    np.testing.assert_array_equal(np.concatenate([r.values[:, 0] for r in rows]), FIRST_NUMBER + np.arange(3 + TARE_TICKS))
     assert {len(r.values) for r in rows} <= {1, 2, 3}
     assert all((r.times.trial_ns is None) == (r.times.samples[0] < FIRST_NUMBER + 2) for r in rows)
 
@@ -110,10 +112,10 @@ def test_what_answers_a_sample_that_never_came_is_written_without_a_time():
     assert len(orphan) == 1 and len(orphan[0].values) == 1
     latency = matrix(written, ANSWER_LATENCY)
     assert np.isnan(latency).sum() == 1
-    assert sum(len(r.values) for r in of(written, "topic/controller/command")) == 50 + BIAS_TICKS + 30
+    assert sum(len(r.values) for r in of(written, "topic/controller/command")) == 50 + TARE_TICKS + 30
 
 
-def test_the_answer_latency_is_the_difference_of_the_two_arrivals():
+def test_the_answer_latency_is_the_difference_of_the_two_arepoch_conflicts():
     written: list[Rows] = []
     writer = Writer(written.append)
     sample = next(m for m in trial(1) if isinstance(m.body, Sample))
@@ -160,7 +162,7 @@ def test_another_plant_counts_its_samples_anew_and_the_old_ones_are_forgotten():
         [m._replace(header=m.header._replace(epoch=99)) for m in trial(20) if isinstance(m.body, Sample)],
     )
     written = write(first + again)
-    assert len(matrix(written, "topic/plant/sample")) == 2 * (30 + BIAS_TICKS) + 10 + 20
+    assert len(matrix(written, "topic/plant/sample")) == 2 * (30 + TARE_TICKS) + 10 + 20
 
 
 def test_another_plant_in_the_middle_of_what_is_taken_together_moves_no_sample_to_another_time():
@@ -171,7 +173,7 @@ def test_another_plant_in_the_middle_of_what_is_taken_together_moves_no_sample_t
     writer.take(*first, *again)
     writer.flush(everything=True)
     assert placed(written, "topic/plant/sample") == placed(write(first + again), "topic/plant/sample")
-    assert len(placed(written, "topic/plant/sample")) == 2 * (10 + BIAS_TICKS)
+    assert len(placed(written, "topic/plant/sample")) == 2 * (10 + TARE_TICKS)
 
 
 def test_names_are_told_once_and_again_in_the_next_recording():
@@ -198,7 +200,7 @@ def test_the_counts_of_each_inbox_are_a_row_at_their_sample_and_a_line_where_the
     tellings = [(1000, inbox), (1222, inbox._replace(accepted=322, crc=2))]
     messages = list(trial(300))
     for seq, (number, counts) in enumerate(tellings):
-        messages.append(received("plant/reception", Reception(number, (counts,)), seq, number))
+        messages.append(received("plant/link_stats", LinkStats(number, (counts,)), seq, number))
     written = write(messages)
     entity = "reception/plant/controller/command"
     np.testing.assert_array_equal(matrix(written, entity), [inbox[1:], tellings[1][1][1:]])
@@ -213,5 +215,5 @@ def test_a_fourth_late_answer_in_a_row_is_a_warning_told_once():
         return message._replace(body=message.body._replace(command_late_substeps=3)) if late else message
 
     told = [rows.values for rows in of(write([worse(m) for m in trial(30)]), "log/plant")]
-    fourth = FIRST_NUMBER + 30 + BIAS_TICKS + 13
+    fourth = FIRST_NUMBER + 30 + TARE_TICKS + 13
     assert told == [[("WARN", f"4 answers in a row were late or missing, up to sample {fourth}")]]

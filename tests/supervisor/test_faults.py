@@ -5,7 +5,7 @@ import math
 import pytest
 
 from hydrohil.services.plant.config import GateLimits
-from hydrohil.services.plant.plant_description import about
+from hydrohil.services.plant.plant_description import describe
 from hydrohil.services.supervisor.machine import MOVES_WITHIN_NS
 from hydrohil.services.supervisor.params import observing
 from hydrohil.shared.contract.faults import Fault
@@ -89,7 +89,7 @@ def test_a_gauge_that_drifts_trips_before_it_reads_its_limit(name, value, cause)
 def test_a_link_that_does_not_obey_trips_within_200_ms_of_a_current_that_must_move_it(name, kind, target, value):
     outcome = broken(name, kind, target, value)
     experiment = find(name)
-    described = about(experiment.plant, GateLimits())
+    described = describe(experiment.plant, GateLimits())
     codes = observing(experiment.supervisor, described, 1).codes
     driven_ns = 0
     for row in reversed(outcome.rows.dac_counts[outcome.rows.tick >= FIRST][:-1]):

@@ -6,7 +6,7 @@ from hypothesis import strategies as st
 from hydrohil.services.supervisor.observe import Bias, Heard, Links, Watch, bias_anew, observe_step, watch_start
 from hydrohil.services.supervisor.observe_force import ForceWatch
 from hydrohil.services.supervisor.observe_motion import LinkWatch, MotionWatch
-from hydrohil.shared.contract.deadline_window import Answers
+from hydrohil.shared.contract.deadline_window import DeadlineWindow
 from hydrohil.shared.contract.messages import NO_COMMAND, NO_TRIAL
 from tests.support.supervisor_scene import BIAS, N_PER_COUNT, PARAMS, sample
 
@@ -101,15 +101,15 @@ def test_answers_are_counted_from_tick_one_of_a_trial_that_runs():
     late = {"command_number": 0}
     for tick, missed in ((NO_TRIAL, 0), (-1, 0), (0, 0), (1, 1), (7, 1)):
         assert observe(after(49), sample(50, tick, **late))[1].transport.missed == missed
-    before = after(49, answers=Answers(1, 0, 1, 1))
-    assert observe(before, sample(50, 5))[0].answers == Answers(2, 0, 1, 0)
-    assert observe(before, sample(50, 0))[0].answers == Answers()
-    assert observe(before, sample(50, 5), RUNNING._replace(running=False))[0].answers == Answers()
-    assert bias_anew(before).answers == Answers()
+    before = after(49, answers=DeadlineWindow(1, 0, 1, 1))
+    assert observe(before, sample(50, 5))[0].answers == DeadlineWindow(2, 0, 1, 0)
+    assert observe(before, sample(50, 0))[0].answers == DeadlineWindow()
+    assert observe(before, sample(50, 5), RUNNING._replace(running=False))[0].answers == DeadlineWindow()
+    assert bias_anew(before).answers == DeadlineWindow()
 
 
 def test_absence_leaves_the_answers_alone_and_a_lost_sample_counts_as_not_answered():
-    before = after(49, answers=Answers(1, 0, 1, 1))
+    before = after(49, answers=DeadlineWindow(1, 0, 1, 1))
     assert observe(before, sample(49, 5, command_number=0), RUNNING._replace(stale_ns=1))[0].answers == before.answers
     watch, seen = observe(before, sample(52, 7))
     assert (watch.answers.missed, seen.transport.missed) == (3, 3)
@@ -118,14 +118,14 @@ def test_absence_leaves_the_answers_alone_and_a_lost_sample_counts_as_not_answer
 def test_frames_of_another_run_matter_to_a_trial_that_runs():
     heard = RUNNING._replace(links=Links(1, 2, 3, 4))
     seen = observe(after(49), sample(50, -3), heard)[1].transport
-    assert (seen.link_faults, seen.rivals, seen.other_run, seen.state_lag) == (1, 2, 3, 4)
+    assert (seen.link_faults, seen.epoch_conflicts, seen.other_run, seen.state_lag) == (1, 2, 3, 4)
     assert observe(after(49), sample(50, -3), heard._replace(running=False))[1].transport.other_run == 0
 
 
 def test_nothing_is_remembered_at_first():
     still, link = (0.0, 0.0, 0.0), LinkWatch(0, 0.0, 0)
     force, motion = ForceWatch(0, 0.0, 0.0, 0.0, 0, 0, 0.0), MotionWatch(still, 0.0, still, still, still, link, link, link)
-    assert watch_start() == Watch(NO_COMMAND, NO_TRIAL, 0, Bias(0.0, 0.0, 0.0, 0.0, 0), Answers(), force, motion)
+    assert watch_start() == Watch(NO_COMMAND, NO_TRIAL, 0, Bias(0.0, 0.0, 0.0, 0.0, 0), DeadlineWindow(), force, motion)
 
 
 def nothing_has_moved(seen):

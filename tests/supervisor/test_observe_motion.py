@@ -25,12 +25,12 @@ from hydrohil.services.supervisor.observe_motion import (
 from hydrohil.services.supervisor.rules import first_broken
 from hydrohil.shared.compiled.kernel import compiled
 from hydrohil.shared.contract.messages import NO_TRIAL, TripCause
-from tests.support.supervisor_scene import ABOUT, LEVEL, LIMITS, PARAMS, sample
+from tests.support.supervisor_scene import DESCRIPTION, LEVEL, LIMITS, PARAMS, sample
 
 OBSERVING, CODES = PARAMS.observing, PARAMS.observing.codes
 RUNNING = Heard(True, 0, True, Links(0, 0, 0, 1))
 FIRST = 100
-T_NS = ABOUT.sample_period_ns
+T_NS = DESCRIPTION.sample_period_ns
 observe_compiled = compiled(observe_step)
 
 

@@ -3,25 +3,25 @@
 import pytest
 
 from hydrohil.services.supervisor.config import SupervisorConfig
-from hydrohil.services.supervisor.prearm_checks import Declared, disagreement
+from hydrohil.services.supervisor.prearm_checks import Declared, prearm_problem
 from hydrohil.shared.contract.envelope import seal, unseal
 from hydrohil.shared.transport.bus import Run
-from tests.support.supervisor_scene import ABOUT
+from tests.support.supervisor_scene import DESCRIPTION
 from tests.support.wire_scene import header
 
-ENVELOPE = unseal(seal({}, run=7, seed=1, clock="real", bias_ticks=8, duration_ticks=100))
+ENVELOPE = unseal(seal({}, run=7, seed=1, clock="real", tare_ticks=8, duration_ticks=100))
 OURS = Run(7, ENVELOPE.digest, 0)
 PLANT, CONTROLLER = (header(key, run=7, experiment=ENVELOPE.digest) for key in ("plant/sample", "controller/state"))
-AGREED = Declared(ENVELOPE, SupervisorConfig(), ABOUT, OURS, PLANT, CONTROLLER, "")
+AGREED = Declared(ENVELOPE, SupervisorConfig(), DESCRIPTION, OURS, PLANT, CONTROLLER, "")
 LIMIT_N = SupervisorConfig().force_limit_n
 
 
 def test_where_everything_is_known_and_equal_nothing_keeps_it_from_arming():
-    assert disagreement(AGREED) == ""
+    assert prearm_problem(AGREED) == ""
 
 
 def test_any_lease_that_the_plant_has_chosen_is_one():
-    assert disagreement(AGREED._replace(about=ABOUT._replace(permit_ttl_ns=1))) == ""
+    assert prearm_problem(AGREED._replace(description=DESCRIPTION._replace(permit_ttl_ns=1))) == ""
 
 
 @pytest.mark.parametrize(
@@ -30,14 +30,14 @@ def test_any_lease_that_the_plant_has_chosen_is_one():
         ({"envelope": None}, "no experiment is loaded"),
         ({"controller": None}, "no controller has answered"),
         ({"about": None}, "still measures this host"),
-        ({"about": ABOUT._replace(permit_ttl_ns=0)}, "still measures this host"),
-        ({"about": ABOUT._replace(gate_force_limit_n=LIMIT_N)}, "do not stay below the gate's 334.091 N"),
-        ({"about": ABOUT._replace(gate_force_limit_n=float("nan"))}, "do not stay below the gate's"),
+        ({"about": DESCRIPTION._replace(permit_ttl_ns=0)}, "still measures this host"),
+        ({"about": DESCRIPTION._replace(gate_force_limit_n=LIMIT_N)}, "do not stay below the gate's 334.091 N"),
+        ({"about": DESCRIPTION._replace(gate_force_limit_n=float("nan"))}, "do not stay below the gate's"),
         ({"plant": PLANT._replace(run=8)}, "the plant has another experiment or run"),
         ({"plant": PLANT._replace(experiment=b"another")}, "the plant has another experiment or run"),
         ({"controller": CONTROLLER._replace(run=8)}, "the controller has another experiment or run"),
-        ({"beyond_signed": "too fast for this host"}, "too fast for this host"),
+        ({"beyond_qualified": "too fast for this host"}, "too fast for this host"),
     ],
 )
 def test_each_condition_alone_is_named(changes, words):
-    assert words in disagreement(AGREED._replace(**changes))
+    assert words in prearm_problem(AGREED._replace(**changes))

@@ -19,7 +19,7 @@ class Tripped(Scene):
         super().__init__()
         self.sample_changes = {}
         self.armed()
-        self.before = self.bus.run.arming
+        self.before = self.bus.run.arming_id
         self.ask("start")
         self.sample_changes = OVER
         self.judge()
@@ -96,7 +96,7 @@ def test_a_reset_moves_nothing_and_leaves_no_arming():
     scene.unload()
     assert scene.ask("reset")[0]
     permit = scene.bus.of("supervisor/permit")[-1]
-    assert (permit.mode, permit.recover_signs, scene.bus.run.arming) == (Mode.DISARMED, (0, 0, 0), 0)
+    assert (permit.mode, permit.recover_signs, scene.bus.run.arming_id) == (Mode.DISARMED, (0, 0, 0), 0)
     for _ in range(20):
         scene.judge()
     assert scene.mode == Mode.DISARMED
@@ -107,15 +107,15 @@ def test_after_a_reset_the_next_arming_is_another():
     scene.unload()
     scene.ask("reset")
     assert scene.ask("arm")[0]
-    assert scene.bus.run.arming not in (0, scene.before)
+    assert scene.bus.run.arming_id not in (0, scene.before)
 
 
 def test_a_reset_clears_neither_an_arming_nor_a_trial():
     scene = Scene()
     scene.armed()
-    arming = scene.bus.run.arming
+    arming_id = scene.bus.run.arming_id
     assert not scene.ask("reset")[0]
-    assert (scene.supervisor.memory.mode, scene.bus.run.arming) == (Mode.ARMED, arming)
+    assert (scene.supervisor.memory.mode, scene.bus.run.arming_id) == (Mode.ARMED, arming_id)
     scene.ask("start")
     assert not scene.ask("reset")[0]
     assert scene.supervisor.memory.mode == Mode.RUNNING

@@ -7,7 +7,7 @@ from scipy import stats
 
 from hydrohil.services.supervisor.machine import BRAKES, FULL_SPEED
 from hydrohil.services.supervisor.params import RANDOM_MISSES
-from hydrohil.services.supervisor.rule import GaugeSeen, Limits, MotionSeen, Observed, TransportSeen
+from hydrohil.services.supervisor.rule import GaugeObservation, Limits, MotionObservation, Observed, TransportObservation
 from hydrohil.services.supervisor.rules import RULES, WORDS, first_broken, fold, trip_words
 from hydrohil.shared.compiled.kernel import compiled
 from hydrohil.shared.contract.messages import GateState, TripCause
@@ -73,8 +73,8 @@ AT_LIMIT = [
     {"state_lag": -4},
     {"state_lag": 99, "tick": 0},
     {"link_faults": 1},
-    {"rivals": 0},
-    {"rivals": 1, "moving": False},
+    {"epoch_conflicts": 0},
+    {"epoch_conflicts": 1, "moving": False},
     {"missed": 21},
     {"gate": int(GateState.OPEN)},
     {"gate": int(GateState.SHUT)},
@@ -135,7 +135,7 @@ PAST = [  # what is seen, the cause, the number that broke, the limit it broke
     ({"lost_samples": -1}, TripCause.SAMPLE_LOST, -1.0, 0.0),
     ({"stale_ns": 20_000_001}, TripCause.SAMPLE_STALE, 20_000_001e-9, 0.02),
     ({"link_faults": 2}, TripCause.LINK_FAULTS, 2.0, 1.0),
-    ({"rivals": 2}, TripCause.TWO_PUBLISHERS, 2.0, 0.0),
+    ({"epoch_conflicts": 2}, TripCause.TWO_PUBLISHERS, 2.0, 0.0),
     ({"other_run": 1}, TripCause.OTHER_RUN, 1.0, 0.0),
     ({"command_lag": 6}, TripCause.COMMAND_STALE, 6.0, 5.0),
     ({"command_lag": 6, "tick": 1}, TripCause.COMMAND_STALE, 6.0, 5.0),
@@ -144,7 +144,7 @@ PAST = [  # what is seen, the cause, the number that broke, the limit it broke
     ({"state_lag": 7, "tick": 1}, TripCause.CONTROLLER_SILENT, 7.0, 6.0),
     ({"state_lag": -5}, TripCause.CONTROLLER_SILENT, -5.0, -4.0),
     ({"missed": 22}, TripCause.QUALITY, 0.78, 0.79),
-    ({"gate": int(GateState.BURNED)}, TripCause.GATE_CUT, float(GateState.BURNED), float(GateState.OPEN)),
+    ({"gate": int(GateState.REVOKED)}, TripCause.GATE_CUT, float(GateState.REVOKED), float(GateState.OPEN)),
     ({"ready": False}, TripCause.NOT_READY, 0.0, 1.0),
 ]
 AT_REST = changed(FINE, moving=False, starting=False)
@@ -252,14 +252,14 @@ def test_every_row_alone_is_folded_to_itself():
 ANY_FLOAT = st.floats() | st.sampled_from([0.0, RAW, TARED, 60.0, 15.0, -2.0, 2.0])
 TRIPLES = st.tuples(ANY_FLOAT, ANY_FLOAT, ANY_FLOAT)
 INTS, FEW = st.integers(-10, 600), st.integers(0, 3)
-SEEN = st.builds(
+OBSERVED = st.builds(
     Observed,
     st.booleans(),
     st.booleans(),
     INTS,
-    st.builds(GaugeSeen, INTS, *(ANY_FLOAT,) * 10, INTS, st.integers(0, 2_000_000_000), ANY_FLOAT),
+    st.builds(GaugeObservation, INTS, *(ANY_FLOAT,) * 10, INTS, st.integers(0, 2_000_000_000), ANY_FLOAT),
     st.builds(
-        MotionSeen,
+        MotionObservation,
         TRIPLES | st.just(FINE.motion.q_rad),
         TRIPLES | st.just(FINE.motion.tip_m),
         st.tuples(INTS, INTS, INTS),
@@ -271,13 +271,13 @@ SEEN = st.builds(
         TRIPLES | st.just(FINE.motion.against),
     ),
     st.builds(
-        TransportSeen, INTS, st.integers(0, 30_000_000), INTS, FEW, st.booleans(), FEW, FEW, FEW, INTS, st.integers(0, 100)
+        TransportObservation, INTS, st.integers(0, 30_000_000), INTS, FEW, st.booleans(), FEW, FEW, FEW, INTS, st.integers(0, 100)
     ),
 )
 
 
 @settings(max_examples=300, deadline=None)
-@given(SEEN)
+@given(OBSERVED)
 def test_plain_and_compiled_rules_agree_on_anything(seen):
     plain, machine = first_broken(seen, LIMITS), first_broken_compiled(seen, LIMITS)
     assert all(same(a, b) for a, b in zip(plain, machine, strict=True))
@@ -321,10 +321,10 @@ def test_limits_that_cross_let_nothing_pass_and_tell_the_bound_that_broke():
 
 
 def test_at_rest_a_service_may_start_anew_and_in_motion_nobody_may():
-    anew = changed(FINE, rivals=1)
+    anew = changed(FINE, epoch_conflicts=1)
     assert first_broken(anew, LIMITS) == (TripCause.TWO_PUBLISHERS, 1.0, 0.0)
     assert first_broken(changed(anew, moving=False), LIMITS) == (0, 0.0, 0.0)
-    assert first_broken(changed(anew, moving=False, rivals=2), LIMITS) == (TripCause.TWO_PUBLISHERS, 2.0, 1.0)
+    assert first_broken(changed(anew, moving=False, epoch_conflicts=2), LIMITS) == (TripCause.TWO_PUBLISHERS, 2.0, 1.0)
 
 
 @pytest.mark.parametrize(("loss", "trips"), [(0.01, False), (0.2, True)])

@@ -8,12 +8,12 @@ from hydrohil.services.supervisor import service
 from hydrohil.services.supervisor.observe import watch_start
 from hydrohil.services.supervisor.service import Supervisor
 from hydrohil.shared.contract.codec import Received
-from hydrohil.shared.contract.deadline_window import Answers
+from hydrohil.shared.contract.deadline_window import DeadlineWindow
 from hydrohil.shared.contract.envelope import seal
-from hydrohil.shared.contract.messages import NO_TRIAL, Mode, Passed, TripCause
+from hydrohil.shared.contract.messages import NO_TRIAL, Mode, SampleDropped, TripCause
 from hydrohil.shared.host.qualified import UNKNOWN, Qualified, Standing
 from hydrohil.shared.transport.requests import Request
-from tests.support.supervisor_scene import ABOUT, sample
+from tests.support.supervisor_scene import DESCRIPTION, sample
 from tests.support.wire_scene import FakeBus, header, state_body
 
 
@@ -23,7 +23,7 @@ class Scene:
     def __init__(self, known=UNKNOWN):
         self.bus, self.known = FakeBus(), known
         self.supervisor = Supervisor(self.bus, lambda: self.known)
-        self.supervisor._learn(ABOUT)
+        self.supervisor._learn(DESCRIPTION)
         self.number = 0
         self.judge()
 
@@ -44,7 +44,7 @@ class Scene:
         return answers[0]
 
     def load(self, clock="real", unqualified=False, **supervisor):
-        text = seal({"supervisor": supervisor}, run=7, seed=1, clock=clock, bias_ticks=8, duration_ticks=100)
+        text = seal({"supervisor": supervisor}, run=7, seed=1, clock=clock, tare_ticks=8, duration_ticks=100)
         return self.ask("load", envelope=text, unqualified=unqualified)
 
     def commit(self, values):
@@ -69,7 +69,7 @@ def test_arming_is_refused_in_words_without_an_experiment_and_granted_with_one()
     assert "no experiment is loaded" in reason
     assert scene.armed()[0]
     assert scene.bus.run.run == 7
-    assert scene.bus.run.arming != 0
+    assert scene.bus.run.arming_id != 0
 
 
 def test_every_arming_has_a_number_of_its_own():
@@ -77,9 +77,9 @@ def test_every_arming_has_a_number_of_its_own():
     scene.commit(scene.load()[2])
     for _ in range(20):
         assert scene.ask("arm")[0]
-        numbers.add(scene.bus.run.arming)
+        numbers.add(scene.bus.run.arming_id)
         scene.ask("stop")
-        assert scene.bus.run.arming == 0
+        assert scene.bus.run.arming_id == 0
     assert len(numbers) == 20
 
 
@@ -88,12 +88,12 @@ def test_neither_load_nor_commit_is_taken_while_armed_or_running():
     loaded = scene.load()[2]
     scene.commit(loaded)
     scene.ask("arm")
-    arming = scene.bus.run.arming
+    arming_id = scene.bus.run.arming_id
     for _ in range(2):
         for accepted, reason, _ in (scene.load(), scene.commit(loaded)):
             assert not accepted
             assert "stop or reset first" in reason
-        assert scene.bus.run.arming == arming
+        assert scene.bus.run.arming_id == arming_id
         scene.ask("start")
     assert scene.supervisor.memory.mode == Mode.RUNNING
 
@@ -112,7 +112,7 @@ def test_an_emergency_stop_does_not_wait_for_a_sample():
     assert scene.ask("estop")[0]
     assert scene.number == before
     assert scene.bus.of("supervisor/permit")[-1].mode == Mode.TRIPPED
-    assert scene.bus.run.arming == 0
+    assert scene.bus.run.arming_id == 0
 
 
 @pytest.mark.parametrize(
@@ -142,7 +142,7 @@ def test_a_request_that_is_unknown_is_refused_by_name():
 @pytest.mark.parametrize(("clock", "patient_ns"), [("real", 20_000_000), ("lockstep", 6_000_000_000)])
 def test_a_request_to_a_cell_without_a_plant_is_answered_and_never_acts_later(monkeypatch, clock, patient_ns):
     scene, answers = Scene(), []
-    text = seal({}, run=7, seed=1, clock=clock, bias_ticks=8, duration_ticks=100)
+    text = seal({}, run=7, seed=1, clock=clock, tare_ticks=8, duration_ticks=100)
     scene.commit(scene.ask("load", envelope=text)[2])
     scene.supervisor._serve(Request("arm", {}, lambda *answer: answers.append(answer)))
     monkeypatch.setattr(service.time, "monotonic_ns", lambda: patient_ns)
@@ -176,11 +176,11 @@ def test_what_came_is_told_once_a_second_and_at_a_trip():
     scene.armed()
     for _ in range(300):
         scene.judge()
-    assert [told.number for told in scene.bus.of("supervisor/reception")] == [222]
+    assert [told.number for told in scene.bus.of("supervisor/link_stats")] == [222]
     scene.ask("estop")
-    told = scene.bus.of("supervisor/reception")[-1]
+    told = scene.bus.of("supervisor/link_stats")[-1]
     assert told.number == scene.number
-    assert [inbox.topic for inbox in told.inboxes] == ["plant/sample", "controller/state", "plant/about"]
+    assert [inbox.topic for inbox in told.inboxes] == ["plant/sample", "controller/state", "plant/description"]
 
 
 class Linked(Scene):
@@ -263,7 +263,7 @@ def test_a_single_state_of_another_run_between_two_samples_is_not_overlooked():
 def test_in_lockstep_a_second_is_a_second_of_samples():
     scene = Linked()
     scene.step()
-    text = seal({}, run=7, seed=1, clock="lockstep", bias_ticks=8, duration_ticks=100)
+    text = seal({}, run=7, seed=1, clock="lockstep", tare_ticks=8, duration_ticks=100)
     scene.commit(scene.ask("load", envelope=text)[2])
     scene.again("plant/sample")
     scene.step()
@@ -277,15 +277,19 @@ def test_in_lockstep_a_second_is_a_second_of_samples():
 
 def test_answers_that_are_not_in_time_are_told_in_the_status():
     scene = Scene()
-    scene.supervisor.memory = scene.supervisor.memory._replace(watch=watch_start()._replace(answers=Answers(0b11110, 0, 4, 3)))
+    scene.supervisor.memory = scene.supervisor.memory._replace(
+        watch=watch_start()._replace(answers=DeadlineWindow(0b11110, 0, 4, 3))
+    )
     assert (scene.supervisor.status()["in_time"], scene.supervisor.status()["warnings"]) == (0.96, [])
-    scene.supervisor.memory = scene.supervisor.memory._replace(watch=watch_start()._replace(answers=Answers(0b1111, 0, 4, 4)))
+    scene.supervisor.memory = scene.supervisor.memory._replace(
+        watch=watch_start()._replace(answers=DeadlineWindow(0b1111, 0, 4, 4))
+    )
     assert scene.supervisor.status()["warnings"] == ["4 answers in a row were late or missing; the lease bears 4"]
 
 
 def test_a_lockstep_commit_after_an_injection_is_refused_and_nothing_has_changed():
     scene = Scene()
-    values = scene.ask("load", envelope=seal({}, run=7, seed=1, clock="lockstep", bias_ticks=8, duration_ticks=100))[2]
+    values = scene.ask("load", envelope=seal({}, run=7, seed=1, clock="lockstep", tare_ticks=8, duration_ticks=100))[2]
     loss = {"kind": "loss", "target": "plant>supervisor", "value": 0.5}
     assert scene.ask("inject", fault=loss)[0]
     accepted, reason, _ = scene.commit(values)
@@ -317,11 +321,11 @@ def test_a_supervisor_that_falls_behind_by_a_lease_does_not_take_the_controller_
 
 
 class InStep(Linked):
-    """A lockstep trial of eight bias ticks that begins with sample 1."""
+    """A lockstep trial of eight tare ticks that begins with sample 1."""
 
     def __init__(self):
         super().__init__()
-        text = seal({}, run=7, seed=1, clock="lockstep", bias_ticks=8, duration_ticks=100)
+        text = seal({}, run=7, seed=1, clock="lockstep", tare_ticks=8, duration_ticks=100)
         self.commit(self.ask("load", envelope=text)[2])
         self.ours = {"run": self.bus.run.run, "experiment": self.bus.run.experiment}
         self.judged()
@@ -337,8 +341,8 @@ class InStep(Linked):
         return self
 
     def passed(self, number, seq, **changes):
-        head = header("controller/passed", seq, **(self.ours | changes))
-        self.bus.send("controller/passed", head, Passed(number))
+        head = header("controller/sample_dropped", seq, **(self.ours | changes))
+        self.bus.send("controller/sample_dropped", head, SampleDropped(number))
         return self
 
     def judged(self):
@@ -380,30 +384,30 @@ def test_a_new_load_forgets_the_samples_that_wait():
     assert scene.answered(10).judged() == []
 
 
-def signed_for(period_ns):
-    """A host on which this period is the shortest that is signed."""
-    return Standing(Qualified(period_ns, "B", "yesterday", period_ns or 1, 4000, 0.0, 1.0, 1.0, 20.0), "signed")
+def qualified_for(period_ns):
+    """A host on which this period is the shortest that is qualified."""
+    return Standing(Qualified(period_ns, "B", "yesterday", period_ns or 1, 4000, 0.0, 1.0, 1.0, 20.0), "qualified")
 
 
 @pytest.mark.parametrize(
     ("period_ns", "armed"),
     [
-        (ABOUT.sample_period_ns, True),
-        (ABOUT.sample_period_ns - 50_000, True),
-        (ABOUT.sample_period_ns + 50_000, False),
+        (DESCRIPTION.sample_period_ns, True),
+        (DESCRIPTION.sample_period_ns - 50_000, True),
+        (DESCRIPTION.sample_period_ns + 50_000, False),
         (0, False),
     ],
 )
 def test_a_rate_that_is_signed_is_armed_and_one_just_above_it_is_refused_with_both(period_ns, armed):
-    scene = Scene(signed_for(period_ns))
+    scene = Scene(qualified_for(period_ns))
     accepted, reason, _ = scene.armed()
     assert accepted == armed
-    assert scene.bus.run.arming != 0 if armed else scene.bus.run.arming == 0
+    assert scene.bus.run.arming_id != 0 if armed else scene.bus.run.arming_id == 0
     assert armed or all(word in reason for word in ("222.2 Hz", "hydrohil qualify", "--unqualified"))
 
 
 def test_above_the_signed_rate_it_arms_only_for_the_run_that_is_loaded_so_on_purpose():
-    scene = Scene(signed_for(0))
+    scene = Scene(qualified_for(0))
     assert scene.armed(unqualified=True)[0]
     scene.ask("stop")
     assert not scene.armed()[0]
@@ -412,7 +416,7 @@ def test_above_the_signed_rate_it_arms_only_for_the_run_that_is_loaded_so_on_pur
 
 
 def test_in_lockstep_the_host_does_not_matter():
-    assert Scene(signed_for(0)).armed(clock="lockstep")[0]
+    assert Scene(qualified_for(0)).armed(clock="lockstep")[0]
 
 
 def test_a_host_without_a_record_arms_and_says_that_it_is_not_qualified():
@@ -425,7 +429,7 @@ def test_a_host_without_a_record_arms_and_says_that_it_is_not_qualified():
 def test_a_record_made_since_the_start_counts_from_the_next_load_on():
     scene = Scene()
     assert scene.armed()[0]
-    scene.known = signed_for(0)
+    scene.known = qualified_for(0)
     assert scene.ask("start")[0]
     assert scene.supervisor.status()["qualification"] is None
     scene.ask("stop")
@@ -434,8 +438,8 @@ def test_a_record_made_since_the_start_counts_from_the_next_load_on():
 
 
 def test_an_armed_cell_whose_plant_then_tells_a_faster_rate_is_disarmed():
-    scene = Scene(signed_for(ABOUT.sample_period_ns))
+    scene = Scene(qualified_for(DESCRIPTION.sample_period_ns))
     assert scene.armed()[0]
-    scene.supervisor._learn(ABOUT._replace(sample_period_ns=ABOUT.sample_period_ns - 50_000))
+    scene.supervisor._learn(DESCRIPTION._replace(sample_period_ns=DESCRIPTION.sample_period_ns - 50_000))
     scene.judge()
     assert scene.supervisor.memory.mode == Mode.DISARMED

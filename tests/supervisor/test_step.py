@@ -15,9 +15,9 @@ from hydrohil.shared.compiled.kernel import compiled
 from hydrohil.shared.contract.messages import NO_COMMAND, NO_TRIAL, GateCause, GateState, Mode, TripCause
 from hydrohil.shared.contract.pose import UNIMATE_GEOMETRY, forward, joint_positions
 from tests.support.supervisor_scene import (
-    ABOUT,
     BIAS,
     CONFIG,
+    DESCRIPTION,
     DURATION,
     LEVEL,
     N_PER_COUNT,
@@ -54,19 +54,19 @@ def test_a_supervisor_begins_disarmed_with_nothing_latched_and_nothing_seen():
     assert SupervisorMemory() == (Mode.DISARMED, *nothing)
 
 
-def test_an_arming_number_is_drawn_on_arming_and_stays_until_disarmed():
+def test_an_arming_id_is_drawn_on_arming_and_stays_until_disarmed():
     memory = armed()
-    assert (memory.mode, memory.arming, memory.armed_at) == (Mode.ARMED, 4711, 10)
-    later = step(memory, sample(11), asked(new_arming=99))
-    assert later.arming == 4711
-    assert step(later, sample(12), asked(Event.START, new_arming=99)).arming == 4711
-    assert step(later, sample(12), asked(Event.STOP, new_arming=99)).arming == 0
+    assert (memory.mode, memory.arming_id, memory.armed_at) == (Mode.ARMED, 4711, 10)
+    later = step(memory, sample(11), asked(new_arming_id=99))
+    assert later.arming_id == 4711
+    assert step(later, sample(12), asked(Event.START, new_arming_id=99)).arming_id == 4711
+    assert step(later, sample(12), asked(Event.STOP, new_arming_id=99)).arming_id == 0
 
 
 @pytest.mark.parametrize("event", [event for event in Event if event not in (Event.ARM, Event.ESTOP)])
 def test_nothing_but_arm_draws_a_number_for_a_disarmed_machine(event):
     memory = step(DISARMED, sample(10), asked(event))
-    assert (memory.mode, memory.arming) == (Mode.DISARMED, 0)
+    assert (memory.mode, memory.arming_id) == (Mode.DISARMED, 0)
 
 
 def test_arming_is_refused_unless_all_agree_and_nothing_is_broken():
@@ -75,7 +75,7 @@ def test_arming_is_refused_unless_all_agree_and_nothing_is_broken():
 
 
 def test_armed_times_out_after_sixty_seconds_and_not_a_sample_earlier():
-    memory, samples = armed(), 60_000_000_000 // ABOUT.sample_period_ns
+    memory, samples = armed(), 60_000_000_000 // DESCRIPTION.sample_period_ns
     assert step(memory, sample(10 + samples)).mode == Mode.ARMED
     assert step(memory, sample(10 + samples + 1)).mode == Mode.DISARMED
     assert step(memory, sample(10 + samples + 1), asked(Event.START)).mode == Mode.DISARMED
@@ -84,7 +84,7 @@ def test_armed_times_out_after_sixty_seconds_and_not_a_sample_earlier():
 def test_the_first_sample_is_announced_a_quarter_second_ahead():
     memory, permit = supervisor_step(armed(), PARAMS, sample(20), asked(Event.START))
     assert (memory.mode, permit.mode, permit.first_sample) == (Mode.RUNNING, Mode.RUNNING, 20 + 250_000_000 // 4_500_000)
-    assert (permit.duration_ticks, permit.bias_ticks) == (DURATION, BIAS)
+    assert (permit.duration_ticks, permit.tare_ticks) == (DURATION, BIAS)
     assert step(memory, sample(21), asked(Event.START)).first_sample == memory.first_sample
 
 
@@ -93,12 +93,12 @@ def test_a_trial_ends_at_its_declared_sample():
     last = step(memory, sample(50, DURATION - 1))
     assert last.mode == Mode.RUNNING
     end = step(running(tick=DURATION), sample(50))
-    assert (end.mode, end.arming, end.cause, end.first_sample) == (Mode.DISARMED, 0, TripCause.NONE, NO_COMMAND)
+    assert (end.mode, end.arming_id, end.cause, end.first_sample) == (Mode.DISARMED, 0, TripCause.NONE, NO_COMMAND)
 
 
 def test_a_trip_latches_cause_numbers_and_sample_and_loses_the_arming():
     memory, permit = supervisor_step(running(), PARAMS, sample(50, 5, force_counts=HEAVY), asked())
-    assert (memory.mode, memory.arming, memory.cause, memory.trip_number) == (Mode.TRIPPED, 0, TripCause.FORCE_RAW, 50)
+    assert (memory.mode, memory.arming_id, memory.cause, memory.trip_number) == (Mode.TRIPPED, 0, TripCause.FORCE_RAW, 50)
     assert (memory.measured, memory.limit) == (HEAVY * N_PER_COUNT, CONFIG.raw_force_limit_n)
     assert (permit.mode, permit.cause, permit.measured, permit.limit, permit.trip_number) == (
         Mode.TRIPPED,
@@ -125,15 +125,15 @@ def test_a_reset_is_refused_while_the_cause_stands_and_clears_it_afterwards():
     for number in range(53, 65):  # and fast
         jumped = step(jumped, sample(number))
     reset = step(jumped, sample(65), asked(Event.RESET))
-    assert (reset.mode, reset.arming, reset.cause, reset.measured, reset.limit) == (Mode.DISARMED, 0, 0, 0.0, 0.0)
+    assert (reset.mode, reset.arming_id, reset.cause, reset.measured, reset.limit) == (Mode.DISARMED, 0, 0, 0.0, 0.0)
     assert (reset.trip_number, reset.first_sample, reset.recover_signs) == (NO_COMMAND, NO_COMMAND, (0, 0, 0))
 
 
 @pytest.mark.parametrize(("event", "at_gate"), STOPS)
 def test_an_emergency_stop_at_either_place_names_itself_even_when_a_rule_breaks_too(event, at_gate):
-    stopped = sample(50, 5, force_counts=HEAVY, gate=GateState.BURNED, gate_cause=int(at_gate))
+    stopped = sample(50, 5, force_counts=HEAVY, gate=GateState.REVOKED, gate_cause=int(at_gate))
     memory = step(running(), stopped, asked(event))
-    assert (memory.mode, memory.cause, memory.measured, memory.limit, memory.arming) == (
+    assert (memory.mode, memory.cause, memory.measured, memory.limit, memory.arming_id) == (
         Mode.TRIPPED,
         TripCause.ESTOP,
         0.0,
@@ -167,7 +167,7 @@ def test_a_controller_that_does_not_advance_trips(lag, mode):
 
 
 def test_a_gate_that_has_cut_trips():
-    memory = step(running(), sample(50, 5, gate=int(GateState.BURNED)))
+    memory = step(running(), sample(50, 5, gate=int(GateState.REVOKED)))
     assert (memory.mode, memory.cause) == (Mode.TRIPPED, TripCause.GATE_CUT)
 
 
@@ -190,24 +190,26 @@ def test_a_bias_above_its_limit_trips_even_if_the_sample_before_tick_0_is_lost(t
 
 
 def test_recovery_draws_its_own_arming_and_shows_the_unloading_signs():
-    memory, permit = supervisor_step(tripped(), PARAMS, sample(51, force_counts=HEAVY), asked(Event.HOLD_RECOVER, new_arming=88))
-    assert (memory.mode, memory.arming, permit.mode) == (Mode.RECOVER, 88, Mode.RECOVER)
+    memory, permit = supervisor_step(
+        tripped(), PARAMS, sample(51, force_counts=HEAVY), asked(Event.HOLD_RECOVER, new_arming_id=88)
+    )
+    assert (memory.mode, memory.arming_id, permit.mode) == (Mode.RECOVER, 88, Mode.RECOVER)
     assert permit.recover_signs == memory.recover_signs != (0, 0, 0)
-    held = step(memory, sample(52, force_counts=HEAVY), asked(Event.HOLD_RECOVER, new_arming=89))
-    assert held.arming == 88
+    held = step(memory, sample(52, force_counts=HEAVY), asked(Event.HOLD_RECOVER, new_arming_id=89))
+    assert held.arming_id == 88
     released, shown = supervisor_step(held, PARAMS, sample(53, force_counts=HEAVY), asked(Event.RELEASE))
-    assert (released.mode, released.arming, released.cause, shown.recover_signs) == (
+    assert (released.mode, released.arming_id, released.cause, shown.recover_signs) == (
         Mode.TRIPPED,
         0,
         TripCause.FORCE_RAW,
         (0, 0, 0),
     )
-    again = step(released, sample(54, force_counts=HEAVY), asked(Event.HOLD_RECOVER, new_arming=90))
-    assert (again.mode, again.arming) == (Mode.RECOVER, 90)
+    again = step(released, sample(54, force_counts=HEAVY), asked(Event.HOLD_RECOVER, new_arming_id=90))
+    assert (again.mode, again.arming_id) == (Mode.RECOVER, 90)
 
 
 def test_recovery_lasts_as_long_as_its_lease_is_renewed_and_not_a_sample_longer():
-    lease = 300_000_000 // ABOUT.sample_period_ns
+    lease = 300_000_000 // DESCRIPTION.sample_period_ns
     memory = step(tripped(), sample(51, force_counts=HEAVY), asked(Event.HOLD_RECOVER))
     let_go = step(memory, sample(51 + lease - 1, force_counts=HEAVY))
     assert let_go.mode == Mode.RECOVER
@@ -221,7 +223,7 @@ def test_a_recovery_that_is_let_go_keeps_what_tripped_first_whatever_stands_now(
     for number in range(51, 65):
         memory = step(memory, sample(number))
     memory = step(memory, sample(65), asked(Event.HOLD_RECOVER))
-    for seen in (sample(66), sample(66, gate=int(GateState.BURNED), force_counts=HEAVY)):
+    for seen in (sample(66), sample(66, gate=int(GateState.REVOKED), force_counts=HEAVY)):
         let_go = step(memory, seen, asked(Event.RELEASE))
         assert (let_go.mode, let_go.cause, let_go.trip_number) == (Mode.TRIPPED, TripCause.FORCE_RAW, 50)
         assert (let_go.measured, let_go.limit) == (HEAVY * N_PER_COUNT, CONFIG.raw_force_limit_n)
@@ -266,7 +268,7 @@ def test_a_latched_direction_is_recovered_in_after_its_cause_has_gone():
 
 def test_what_stands_now_is_recovered_from_where_the_latched_cause_led_nowhere():
     outside, inside = beyond(0)
-    cut = sample(50, 5, encoder_counts=inside, gate=int(GateState.BURNED))
+    cut = sample(50, 5, encoder_counts=inside, gate=int(GateState.REVOKED))
     memory = step(running(watch=watched(49, encoder_counts=inside)), cut)
     assert (memory.cause, memory.recover_signs) == (TripCause.GATE_CUT, (0, 0, 0))
     memory = step(memory, sample(51, encoder_counts=outside), asked(Event.HOLD_RECOVER))
@@ -339,7 +341,7 @@ def test_a_stop_that_is_pressed_is_not_recovered_from_before_a_reset_has_release
 
 
 def test_a_reset_releases_no_stop_that_is_pressed_at_the_gate():
-    pressed = {"gate": int(GateState.BURNED), "gate_cause": int(GateCause.ESTOP)}
+    pressed = {"gate": int(GateState.REVOKED), "gate_cause": int(GateCause.ESTOP)}
     memory = step(step(running(), sample(50, 5, **pressed)), sample(51, **pressed), asked(Event.RESET))
     assert (memory.mode, memory.pressed) == (Mode.TRIPPED, True)
     assert not step(memory, sample(52), asked(Event.RESET)).pressed
@@ -396,20 +398,20 @@ def test_the_last_of_the_force_causes_has_a_direction_too():
 
 
 def test_a_cause_without_a_direction_cannot_be_recovered_from():
-    memory = step(running(), sample(50, 5, gate=int(GateState.BURNED)))
+    memory = step(running(), sample(50, 5, gate=int(GateState.REVOKED)))
     assert memory.recover_signs == (0, 0, 0)
     assert step(memory, sample(51), asked(Event.HOLD_RECOVER)).mode == Mode.TRIPPED
 
 
 def test_arming_needs_limit_bias_and_noise_below_the_gates_limit():
     at = CONFIG.force_limit_n + CONFIG.bias_limit_n + 10.0
-    assert not below_gate(CONFIG, ABOUT._replace(gate_force_limit_n=at))
-    assert below_gate(CONFIG, ABOUT._replace(gate_force_limit_n=math.nextafter(at, 1e9)))
-    assert below_gate(CONFIG, ABOUT._replace(gate_force_limit_n=GateLimits().force_limit_n))
+    assert not below_gate(CONFIG, DESCRIPTION._replace(gate_force_limit_n=at))
+    assert below_gate(CONFIG, DESCRIPTION._replace(gate_force_limit_n=math.nextafter(at, 1e9)))
+    assert below_gate(CONFIG, DESCRIPTION._replace(gate_force_limit_n=GateLimits().force_limit_n))
 
 
 def test_a_longer_lease_bears_more_lost_samples():
-    longer = supervisor_params(CONFIG, ABOUT._replace(permit_ttl_ns=60_000_000), BIAS, DURATION)
+    longer = supervisor_params(CONFIG, DESCRIPTION._replace(permit_ttl_ns=60_000_000), BIAS, DURATION)
     assert (longer.limits.lease_samples, longer.limits.lease_ns) == (13, 60_000_000)
 
 
@@ -444,6 +446,6 @@ def test_plain_and_compiled_supervisors_agree_and_permit_nothing_without_an_armi
         memory, permit = supervisor_step(memory, PARAMS, seen, wanted)
         machine, shown = supervisor_step_compiled(machine, PARAMS, seen, wanted)
         assert (tuple(machine), tuple(shown)) == (memory, permit)
-        assert (memory.arming != 0) == (memory.mode in (Mode.ARMED, Mode.RUNNING, Mode.RECOVER))
+        assert (memory.arming_id != 0) == (memory.mode in (Mode.ARMED, Mode.RUNNING, Mode.RECOVER))
         if wanted.event == Event.NOTHING:
-            assert memory.arming in (0, before.arming)
+            assert memory.arming_id in (0, before.arming_id)

@@ -1,18 +1,18 @@
 """A gate that everything permits to open, and the one thing changed in each test."""
 
 from hydrohil.services.plant.config import GateLimits
-from hydrohil.services.plant.gate import CommandSeen, GateInput, GateMemory, PermitSeen, gate_step
+from hydrohil.services.plant.gate import CommandObservation, GateInput, GateMemory, PermitObservation, gate_step
 from hydrohil.shared.contract.messages import Mode
 
-ARMING, OTHER = 77, 78
+ARMING_ID, OTHER = 77, 78
 SUPERVISOR, CONTROLLER = 11, 22  # epochs
 ZERO = (2048, 2048, 2048)
 TTL = 20_000_000
 LIMITS = GateLimits()
 NO_SIGNS = (0, 0, 0)
 
-PERMIT = PermitSeen(True, ARMING, SUPERVISOR, int(Mode.RUNNING), 4_000_000, NO_SIGNS)
-COMMAND = CommandSeen(True, ARMING, CONTROLLER, 4_000_000, 100, ZERO)
+PERMIT = PermitObservation(True, ARMING_ID, SUPERVISOR, int(Mode.RUNNING), 4_000_000, NO_SIGNS)
+COMMAND = CommandObservation(True, ARMING_ID, CONTROLLER, 4_000_000, 100, ZERO)
 FINE = GateInput(PERMIT, COMMAND, 10, 13.5, 0, False, False, 0, 0)
 UNLOAD_UP = PERMIT._replace(mode=int(Mode.RECOVER), recover_signs=(0, -1, 0))
 
@@ -29,9 +29,9 @@ def codes(*values):
     return command(codes=values)
 
 
-def armed_anew(arming, **changes):
+def armed_anew(arming_id, **changes):
     """Both messages carry another arming."""
-    return FINE._replace(permit=PERMIT._replace(arming=arming), command=COMMAND._replace(arming=arming), **changes)
+    return FINE._replace(permit=PERMIT._replace(arming_id=arming_id), command=COMMAND._replace(arming_id=arming_id), **changes)
 
 
 def step(memory, seen, limits=LIMITS, at_latch=True):

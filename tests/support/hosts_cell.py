@@ -116,7 +116,7 @@ def tried(bus: Bus, observer: Observer, cut: Cut) -> dict[str, Any]:
         "words": trial.words,
         "reaction_s": trial.reaction_s - trial.stalled_s,
         "at_rest": after["plant"]["dac_counts"] == ZERO,
-        "burned": after["plant"]["burned_armings"] - plant["burned_armings"],
+        "revoked": after["plant"]["revoked_arming_ids"] - plant["revoked_arming_ids"],
         "last_cut": after["plant"]["last_cut"],
         "mode": after["supervisor"]["mode"],
     }

@@ -54,7 +54,7 @@ def own_place() -> cells.Place:
 
 
 def line(place: cells.Place, *arguments: str) -> list[str]:
-    """The command line in that cell; what the machine is signed for must not decide what these tests say."""
+    """The command line in that cell; what the machine is qualified for must not decide what these tests say."""
     unqualified = ["--unqualified"] * (arguments[0] == "run")
     return [sys.executable, "-m", "hydrohil", *arguments, *place.words, *unqualified]
 

@@ -13,26 +13,26 @@ from hydrohil.shared.contract.converters import (
 )
 from hydrohil.shared.contract.messages import (
     NO_TRIAL,
-    About,
     Command,
     ControllerState,
     GateCause,
     GateEvent,
     GateState,
+    GroundTruth,
     Mode,
     Permit,
+    PlantDescription,
     Sample,
     TripCause,
-    Truth,
 )
 from hydrohil.shared.contract.topics import BY_KEY
 
 PERIOD_NS = 4_500_000
-BIAS_TICKS = 444
+TARE_TICKS = 444
 FIRST_NUMBER = 1000  # samples before it belong to no trial
-ARMING, PLANT_EPOCH = 2**61 + 12345, 77
+ARMING_ID, PLANT_EPOCH = 2**61 + 12345, 77
 SENDERS = {key: topic.publisher for key, topic in BY_KEY.items()}
-ABOUT = About(
+DESCRIPTION = PlantDescription(
     "Unimate MKII-2000",
     UNIMATE_ENCODERS,
     UNIMATE_FORCE,
@@ -48,20 +48,20 @@ ABOUT = About(
 
 
 def received(key: str, body: object, seq: int, echo: int = -1, arrival_ns: int = 0, epoch: int = PLANT_EPOCH) -> Received:
-    header = Header(WIRE_VERSION, BY_KEY[key].schema, "bench", 1, b"", SENDERS[key], epoch, ARMING, seq, echo, 0)
+    header = Header(WIRE_VERSION, BY_KEY[key].schema, "bench", 1, b"", SENDERS[key], epoch, ARMING_ID, seq, echo, 0)
     return Received(arrival_ns, key, header, body)
 
 
 def trial(ticks: int = 1200, outside: int = 30, trip_tick: int = 10**9) -> Iterator[Received]:
     """`outside` samples without a trial, the force bias, then `ticks` of the reference."""
-    yield received("plant/about", ABOUT, 0)
+    yield received("plant/description", DESCRIPTION, 0)
     events = 0
-    for i in range(outside + BIAS_TICKS + ticks):
-        tick = i - outside - BIAS_TICKS if i >= outside else NO_TRIAL
+    for i in range(outside + TARE_TICKS + ticks):
+        tick = i - outside - TARE_TICKS if i >= outside else NO_TRIAL
         yield from _sample(i, tick, trip_tick)
         if tick == trip_tick:
             event = GateEvent(
-                FIRST_NUMBER + i, tick, GateState.BURNED, GateCause.FORCE_ABOVE_LIMIT, 3_600_000, 3_600_000, 431.9, 420.0
+                FIRST_NUMBER + i, tick, GateState.REVOKED, GateCause.FORCE_ABOVE_LIMIT, 3_600_000, 3_600_000, 431.9, 420.0
             )
             yield received("plant/gate", event, events, arrival_ns=i * PERIOD_NS + 200_000)
             events += 1
@@ -87,7 +87,7 @@ def _sample(i: int, tick: int, trip_tick: int) -> Iterator[Received]:
         (0.114 if qd[1] > 0.0 else 0.02 + 0.07 * math.sin(9.0 * t)) * running,
         0.14 * math.sin(1.5 * t) * running,
     )
-    gate = GateState.BURNED if tripped else GateState.OPEN if running else GateState.SHUT
+    gate = GateState.REVOKED if tripped else GateState.OPEN if running else GateState.SHUT
     cause = GateCause.FORCE_ABOVE_LIMIT if tripped else GateCause.NONE if running else GateCause.NOT_RUNNING
     dac = tuple(current_to_code(c) if gate == GateState.OPEN else 2048 for c in current)
     counts = tuple(int((v - c.offset) / c.scale) for v, c in zip((*q, 0.0, -q[1]), UNIMATE_ENCODERS, strict=True))
@@ -114,7 +114,10 @@ def _sample(i: int, tick: int, trip_tick: int) -> Iterator[Received]:
     stuck = tuple(int(abs(c) < 0.09 and running) for c in current)
     pressure_a, pressure_b = tuple(3.5e6 + 8e6 * c for c in current), tuple(3.5e6 - 8e6 * c for c in current)
     yield received(
-        "plant/truth", Truth(number, tick, q, qd, pressure_a, pressure_b, current, stuck, tip, force, 0.0), i, arrival_ns=arrival
+        "plant/ground_truth",
+        GroundTruth(number, tick, q, qd, pressure_a, pressure_b, current, stuck, tip, force, 0.0),
+        i,
+        arrival_ns=arrival,
     )
     mode = Mode.TRIPPED if tripped else Mode.RUNNING if running else Mode.ARMED if tick != NO_TRIAL else Mode.DISARMED
     trip = (TripCause.FORCE_TARED, 341.2, 334.0, number) if tripped else (TripCause.NONE, 0.0, 0.0, -1)
@@ -126,7 +129,7 @@ def _sample(i: int, tick: int, trip_tick: int) -> Iterator[Received]:
         trip[3],
         FIRST_NUMBER + 30 if tick != NO_TRIAL else -1,
         3000,
-        BIAS_TICKS,
+        TARE_TICKS,
         (0, 0, 0),
         334.0,
         4.2,

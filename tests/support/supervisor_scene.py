@@ -1,19 +1,19 @@
 """A supervisor with an experiment of 100 ticks after 8 of bias, and a plant that answers it."""
 
 from hydrohil.services.plant.config import GateLimits, PlantConfig
-from hydrohil.services.plant.plant_description import about
+from hydrohil.services.plant.plant_description import describe
 from hydrohil.services.supervisor.config import SupervisorConfig
 from hydrohil.services.supervisor.modes import NOTHING, RUNNING
 from hydrohil.services.supervisor.observe import Bias, Heard, Links, observe_step, watch_start
 from hydrohil.services.supervisor.params import supervisor_params
-from hydrohil.services.supervisor.rule import GaugeSeen, MotionSeen, Observed, TransportSeen
+from hydrohil.services.supervisor.rule import GaugeObservation, MotionObservation, Observed, TransportObservation
 from hydrohil.services.supervisor.step import Asked, SupervisorMemory, supervisor_step
 from hydrohil.shared.contract.messages import NO_TRIAL, Sample
 
 BIAS, DURATION = 8, 100
 CONFIG = SupervisorConfig()
-ABOUT = about(PlantConfig(), GateLimits())
-PARAMS = supervisor_params(CONFIG, ABOUT, BIAS, DURATION)
+DESCRIPTION = describe(PlantConfig(), GateLimits())
+PARAMS = supervisor_params(CONFIG, DESCRIPTION, BIAS, DURATION)
 LIMITS = PARAMS.limits
 N_PER_COUNT = PARAMS.observing.calibration.force_n_per_count
 LEVEL = (4031, 971, 207, 0, 33)  # all links level, boom out by 0.21 m
@@ -22,7 +22,7 @@ FINE = Observed(
     True,
     True,
     5,
-    GaugeSeen(
+    GaugeObservation(
         force_counts=10,
         raw_n=13.5,
         tared_n=1.0,
@@ -38,7 +38,7 @@ FINE = Observed(
         held_ns=0,
         energy_j=0.0,
     ),
-    MotionSeen(
+    MotionObservation(
         q_rad=(0.0, 0.0, 0.2),
         tip_m=(0.6, 0.0, 0.1),
         counts=(4031, 971, 207),
@@ -49,8 +49,17 @@ FINE = Observed(
         idle_ns=(0, 0, 0),
         against=(0.0, 0.0, 0.0),
     ),
-    TransportSeen(
-        lost_samples=0, stale_ns=0, command_lag=1, gate=1, ready=True, link_faults=0, rivals=0, other_run=0, state_lag=1, missed=0
+    TransportObservation(
+        lost_samples=0,
+        stale_ns=0,
+        command_lag=1,
+        gate=1,
+        ready=True,
+        link_faults=0,
+        epoch_conflicts=0,
+        other_run=0,
+        state_lag=1,
+        missed=0,
     ),
 )
 
@@ -88,4 +97,4 @@ def running(tick=5, number=50, **changes):
     """In the middle of a trial whose first sample was such that `number` is `tick`."""
     first = number - tick - BIAS
     watch = watched(number - 1, bias=Bias(0.0, 0.0, 0.0, 0.0, BIAS))
-    return SupervisorMemory(mode=RUNNING, arming=4711, first_sample=first, watch=watch)._replace(**changes)
+    return SupervisorMemory(mode=RUNNING, arming_id=4711, first_sample=first, watch=watch)._replace(**changes)

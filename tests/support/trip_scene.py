@@ -5,14 +5,14 @@ from functools import cache
 from typing import Any
 
 from hydrohil.shared.contract.codec import Received
-from hydrohil.shared.contract.messages import NO_COMMAND, InboxCounts, Mode, Reception, TripCause
+from hydrohil.shared.contract.messages import NO_COMMAND, InboxCounts, LinkStats, Mode, TripCause
 from hydrohil.shared.trips.report import Document, Origin, trip_report
 from hydrohil.shared.trips.ring import Caught, TripRing
 from hydrohil.shared.trips.tables import tables
-from tests.support.recorder_trial import BIAS_TICKS, FIRST_NUMBER, PERIOD_NS, received, trial
+from tests.support.recorder_trial import FIRST_NUMBER, PERIOD_NS, TARE_TICKS, received, trial
 
 TRIP_TICK = 300
-TRIP_NUMBER = FIRST_NUMBER + 30 + BIAS_TICKS + TRIP_TICK
+TRIP_NUMBER = FIRST_NUMBER + 30 + TARE_TICKS + TRIP_TICK
 ORIGIN = Origin("2026-11-22T23:40:00Z", "bench", "the recorder's", 7, "abcd")
 COUNTS = InboxCounts("controller/command", 900, 2, 0, 1, 0, 0, 0, 1, 0, 0, 0, 0, 0, 0)
 GATE, SUPERVISOR = "gate", "supervisor"
@@ -63,10 +63,10 @@ def caught(messages: Iterator[Received]) -> Caught:
 
 def report(by: str = SUPERVISOR) -> Document:
     found = caught(tripping(by))
-    document = trip_report(tables(found.messages), ORIGIN, found.about, {})
+    document = trip_report(tables(found.messages), ORIGIN, found.description, {})
     assert document is not None
     return document
 
 
-def reception(number: int) -> Received:
-    return received("plant/reception", Reception(number, (COUNTS,)), 0, number)
+def link_stats(number: int) -> Received:
+    return received("plant/link_stats", LinkStats(number, (COUNTS,)), 0, number)

@@ -210,7 +210,7 @@ def _whole(fuzzed: Fuzzed, found: Received) -> bytes:
 def loads() -> tuple[str, bytes]:
     """A real envelope's text and a real experiment's bytes."""
     experiment = find("fig-5-5")
-    text = seal(to_plain(experiment), run=7, seed=1, clock="real", bias_ticks=444, duration_ticks=2000)
+    text = seal(to_plain(experiment), run=7, seed=1, clock="real", tare_ticks=444, duration_ticks=2000)
     return text, to_bytes(experiment)
 
 

@@ -124,14 +124,14 @@ def test_neither_another_run_nor_a_supervisor_that_permits_is_a_trip():
 
 
 def test_the_first_cut_of_the_run_is_told_with_its_numbers():
-    stale = event(GateState.BURNED, GateCause.COMMAND_STALE, measured=0.022, limit=0.02)
-    assert trip(permit(TripCause.GATE_CUT), stale, event(GateState.BURNED, GateCause.BURNED_ARMING)) == (
+    stale = event(GateState.REVOKED, GateCause.COMMAND_STALE, measured=0.022, limit=0.02)
+    assert trip(permit(TripCause.GATE_CUT), stale, event(GateState.REVOKED, GateCause.REVOKED_ARMING)) == (
         "the gate has cut: the controller's commands have stopped (s): 0.022 against 0.02 (sample 90)"
     )
 
 
 def test_neither_another_run_nor_a_gate_that_opens_is_a_cut():
-    others = (event(GateState.BURNED, GateCause.ESTOP, run=RUN + 1), event(GateState.OPEN, GateCause.NONE))
+    others = (event(GateState.REVOKED, GateCause.ESTOP, run=RUN + 1), event(GateState.OPEN, GateCause.NONE))
     assert trip(permit(TripCause.GATE_CUT), *others) == "the gate has cut; its own event says why: 340 against 334 (sample 91)"
 
 
@@ -149,7 +149,7 @@ def test_what_was_changed_by_hand_in_this_run_is_told_and_neither_the_scheduled_
 
     def changed(number: int, by_hand: int, run: int) -> Received:
         event = ParameterEvent(number, 3, by_hand, "controller.law", '"final"', '"pi"', 1)
-        return Received(0, "controller/changed", head._replace(run=run), event)
+        return Received(0, "controller/parameter_change", head._replace(run=run), event)
 
     told = [changed(7, 1, RUN), changed(8, 0, RUN), changed(9, 1, RUN + 1)]
     collector = Collector(Network([*MESSAGES, *told]))  # type: ignore[arg-type]

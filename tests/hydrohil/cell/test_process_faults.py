@@ -8,7 +8,7 @@ from pathlib import Path
 import pytest
 
 from hydrohil.cell import process_faults as strikes
-from hydrohil.cell.process_faults import Strikes, is_service, strike, strike_now
+from hydrohil.cell.process_faults import ProcessFaults, is_service, strike, strike_now
 from hydrohil.cell.processes import CellError, RefusedError
 from hydrohil.shared.contract.faults import Fault
 
@@ -76,7 +76,7 @@ def test_a_service_that_does_not_answer_is_not_struck(bus):
     with pytest.raises(CellError, match="plant does not answer"):
         strike_now(bus, Fault("kill", "plant"))
     with pytest.raises(CellError, match="plant does not answer"):
-        Strikes(bus, (Fault("freeze", "plant"),), 1.0)
+        ProcessFaults(bus, (Fault("freeze", "plant"),), 1.0)
 
 
 def test_what_is_killed_is_gone(bus, process):
@@ -91,7 +91,7 @@ def test_what_this_command_must_undo_needs_an_end(bus, fault):
 
 
 def test_a_trial_freezes_at_its_time_and_thaws_at_its_end(bus, process):
-    made = Strikes(bus, (Fault("freeze", "controller", at_s=0.5),), 2.0)
+    made = ProcessFaults(bus, (Fault("freeze", "controller", at_s=0.5),), 2.0)
     made.at(0.499)
     assert until_state(process, "SR") in "SR" and made.pending
     made.at(0.501)
@@ -102,7 +102,7 @@ def test_a_trial_freezes_at_its_time_and_thaws_at_its_end(bus, process):
 
 
 def test_a_freeze_ends_by_the_wall_clock_while_the_trial_stands_still(bus, process):
-    made = Strikes(bus, (Fault("freeze", "controller", lasts_s=0.05),), 2.0)
+    made = ProcessFaults(bus, (Fault("freeze", "controller", lasts_s=0.05),), 2.0)
     made.at(0.0)
     time.sleep(0.06)
     made.at(0.0)
@@ -110,7 +110,7 @@ def test_a_freeze_ends_by_the_wall_clock_while_the_trial_stands_still(bus, proce
 
 
 def test_what_never_came_to_pass_is_said(bus):
-    made = Strikes(bus, (Fault("kill", "controller", at_s=9.0),), 10.0)
+    made = ProcessFaults(bus, (Fault("kill", "controller", at_s=9.0),), 10.0)
     made.end()
     assert made.told == ["kill controller: never, the trial ended before"]
 

@@ -1,4 +1,4 @@
-"""Loading: a rate above the one signed is refused before anything is committed."""
+"""Loading: a rate above the one qualified is refused before anything is committed."""
 
 import pytest
 from typer.testing import CliRunner
@@ -16,11 +16,11 @@ PERIOD_NS = EXPERIMENT.plant.sample_period_substeps * SUBSTEP_NS
 
 
 class Cell:
-    """Services that take everything; the supervisor tells what its host is signed for."""
+    """Services that take everything; the supervisor tells what its host is qualified for."""
 
-    def __init__(self, signed_period_ns):
-        found = Qualified(signed_period_ns, "B", "yesterday", PERIOD_NS, 4000, 0.0, 1.0, 1.0, 20.0)
-        self.told = None if signed_period_ns is None else found._asdict()
+    def __init__(self, qualified_period_ns):
+        found = Qualified(qualified_period_ns, "B", "yesterday", PERIOD_NS, 4000, 0.0, 1.0, 1.0, 20.0)
+        self.told = None if qualified_period_ns is None else found._asdict()
         self.asked = []
 
     def ask(self, _bus, service, verb, _timeout_s=3.0, **arguments):
@@ -39,16 +39,16 @@ def load(cell, monkeypatch, clock="real", **options):
     return session.load(None, EXPERIMENT, 0, clock, **options)
 
 
-@pytest.mark.parametrize("signed_period_ns", [PERIOD_NS, PERIOD_NS - SUBSTEP_NS, None])
-def test_a_signed_rate_and_a_host_without_a_record_are_loaded(signed_period_ns, monkeypatch):
-    cell = Cell(signed_period_ns)
+@pytest.mark.parametrize("qualified_period_ns", [PERIOD_NS, PERIOD_NS - SUBSTEP_NS, None])
+def test_a_signed_rate_and_a_host_without_a_record_are_loaded(qualified_period_ns, monkeypatch):
+    cell = Cell(qualified_period_ns)
     load(cell, monkeypatch)
     assert cell.committed == list(LOOP)
 
 
-@pytest.mark.parametrize("signed_period_ns", [PERIOD_NS + SUBSTEP_NS, 0])
-def test_a_rate_just_above_the_signed_one_is_refused_and_nothing_is_committed(signed_period_ns, monkeypatch):
-    cell = Cell(signed_period_ns)
+@pytest.mark.parametrize("qualified_period_ns", [PERIOD_NS + SUBSTEP_NS, 0])
+def test_a_rate_just_above_the_signed_one_is_refused_and_nothing_is_committed(qualified_period_ns, monkeypatch):
+    cell = Cell(qualified_period_ns)
     with pytest.raises(UnqualifiedError, match=r"222\.2 Hz.*hydrohil qualify.*--unqualified"):
         load(cell, monkeypatch)
     assert cell.committed == []

@@ -53,7 +53,7 @@ def test_rates_are_tried_from_the_highest_down_until_one_is_signed(qualify, keep
     assert [period_ns for period_ns, _ in host.asked] == tried
     assert made.exit_code == status, made.output
     found = standing(fifo=True).qualified
-    assert found.signed_period_ns == (tried[-1] if status == 0 else 0)
+    assert found.qualified_period_ns == (tried[-1] if status == 0 else 0)
     assert standing(fifo=False).qualified is None
     assert "on record until the next boot" in made.stdout
 
@@ -66,7 +66,7 @@ def test_one_rate_is_tried_alone(qualify, rate, period_ns):
     assert qualify(host, "--rate-hz", rate).exit_code == 0
     assert [asked for asked, _ in host.asked] == [period_ns]
     assert qualify(Host(20_000_000), "--rate-hz", rate).exit_code == 1
-    assert standing(fifo=True).qualified.signed_period_ns == 0
+    assert standing(fifo=True).qualified.qualified_period_ns == 0
 
 
 @pytest.mark.parametrize("fifo", [False, True])
@@ -107,7 +107,7 @@ def test_the_file_holds_host_trials_and_status_with_null_for_what_is_missing(qua
         (2_000_000, "C"),
         (4_500_000, "A"),
     ]
-    assert (told["signed_period_ns"], told["exit_status"]) == (4_500_000, made.exit_code)
+    assert (told["qualified_period_ns"], told["exit_status"]) == (4_500_000, made.exit_code)
     assert told["host"]["cores"] > 0 and {fact["what"] for fact in told["found"]} >= {"SCHED_FIFO", "SMT", "kernel"}
 
 

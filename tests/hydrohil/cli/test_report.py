@@ -99,7 +99,7 @@ def test_the_report_carries_how_the_host_is_qualified_or_that_it_is_not(tmp_path
         write_json(tmp_path / "r.json", made)
         told.append(json.loads((tmp_path / "r.json").read_text()))
     assert [one["qualification"] for one in told] == [found, None, None]
-    assert "signed for 222.2 Hz, grade B (yesterday)" in told[0]["qualified"]
+    assert "qualified for 222.2 Hz, grade B (yesterday)" in told[0]["qualified"]
     assert "not qualified" in told[1]["qualified"] and told[2]["qualified"] is None
 
 

@@ -32,7 +32,9 @@ def test_every_broken_rule_trips_and_is_latched(cause: TripCause):
     assert (scene.mode, scene.cause, scene.gate.codes) == (Mode.TRIPPED, cause, ZERO)
     mended = after(scene._replace(broken=frozenset()), Event.NOTHING)
     assert (mended.mode, mended.cause) == (Mode.TRIPPED, cause)
-    assert after(mended, Event.RESET) == after(mended, Event.RESET)._replace(mode=Mode.DISARMED, cause=TripCause.NONE, arming=0)
+    assert after(mended, Event.RESET) == after(mended, Event.RESET)._replace(
+        mode=Mode.DISARMED, cause=TripCause.NONE, arming_id=0
+    )
 
 
 @pytest.mark.parametrize("cause", CONDITIONS)
@@ -44,7 +46,7 @@ def test_every_broken_condition_is_the_gate_s_own_cause(cause: GateCause):
 
 def test_a_cut_of_the_gate_trips_the_supervisor_a_sample_later():
     cut = after(RUNNING._replace(conditions=frozenset([GateCause.COMMAND_STALE])), Event.NOTHING)
-    assert (cut.mode, GateState(cut.gate.state)) == (Mode.RUNNING, GateState.BURNED)
+    assert (cut.mode, GateState(cut.gate.state)) == (Mode.RUNNING, GateState.REVOKED)
     assert told(cut)["decides"] == "GATE_CUT"
     tripped = after(cut, Event.NOTHING)
     assert (tripped.mode, tripped.cause) == (Mode.TRIPPED, TripCause.GATE_CUT)

@@ -25,13 +25,13 @@ def test_zero_current_behind_an_open_gate_is_not_safe():
     assert not safe(sample(0, gate=GateState.OPEN))
     assert not safe(sample(0, gate=GateState.RECOVERING))
     assert not safe(sample(0, codes=(2048, 2049, 2048)))
-    assert safe(sample(0, gate=GateState.BURNED))
+    assert safe(sample(0, gate=GateState.REVOKED))
 
 
 def test_the_first_word_of_zero_current_is_a_sample_or_the_gates_own():
     told = heard(5)
     assert zero_at(told, BLOW_NS) == told.samples[35].arrival_ns
-    gate = SimpleNamespace(arrival_ns=BLOW_NS + 1, body=SimpleNamespace(state=int(GateState.BURNED)))
+    gate = SimpleNamespace(arrival_ns=BLOW_NS + 1, body=SimpleNamespace(state=int(GateState.REVOKED)))
     assert zero_at(told._replace(gates=[gate]), BLOW_NS) == BLOW_NS + 1
 
 

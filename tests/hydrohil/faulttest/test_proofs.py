@@ -7,7 +7,7 @@ from junitparser import JUnitXml
 
 from hydrohil.faulttest import proofs
 from hydrohil.faulttest.proofs import Proof, proof_of, prove, together
-from hydrohil.faulttest.run import QUICK, Battery, Wish, total
+from hydrohil.faulttest.run import QUICK, FaultTest, Wish, total
 from hydrohil.faulttest.tally import HELD, UNTRIED
 from hydrohil.faulttest.trial import Proved, Row, Trial
 
@@ -62,7 +62,7 @@ def row(name: str, letter: str = "P") -> Row:
 
 def played(one: Row, *, quick: bool = False) -> tuple[str, str]:
     """Verdict, and why there is none."""
-    battery = Battery((one,), {}, Wish(1, 0, quick), lambda *_: None)
+    battery = FaultTest((one,), {}, Wish(1, 0, quick), lambda *_: None)
     battery.play()
     (result,) = battery.results()
     return result.verdict, result.tried[0].why
@@ -83,7 +83,7 @@ def test_proofs_by_real_processes_are_left_out_of_the_quick_battery(folder: Path
 def test_a_bar_takes_one_step_for_the_tests_of_a_way_whatever_their_cases(folder: Path, name, letter, quick, steps):
     told, wish = [], Wish(1, 0, quick)
     one = row(name, letter)
-    Battery((one,), {}, wish, lambda title, trial: told.append((title, trial))).play()
+    FaultTest((one,), {}, wish, lambda title, trial: told.append((title, trial))).play()
     assert total((one,), wish) == steps
     assert [(title, trial.held) for title, trial in told if trial is not None] == [(f"8 {letter} a proof", True)] * steps
 
@@ -93,6 +93,6 @@ def test_every_case_that_fails_is_named_in_one_step(folder: Path):
         "import pytest\n\n@pytest.mark.parametrize('n', [1, 2, 3])\ndef test_n(n):\n    assert n > 2\n"
     )
     told = []
-    Battery((row("test_n"),), {}, Wish(1, 0, quick=False), lambda _, trial: told.append(trial)).play()
+    FaultTest((row("test_n"),), {}, Wish(1, 0, quick=False), lambda _, trial: told.append(trial)).play()
     (trial,) = [trial for trial in told if trial is not None]
     assert not trial.held and "test_n[1]" in trial.words and "test_n[2]" in trial.words and "test_n[3]" not in trial.words

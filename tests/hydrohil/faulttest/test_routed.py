@@ -21,9 +21,9 @@ def silence(old_ns: int = 0) -> Heard:
     return Heard(moving + old + [sample(i) for i in range(60, 100)], [], [], [], [])
 
 
-def cut(after_ns: int, overslept_ns: int = 0) -> Cut:
+def cut(after_ns: int, overrun_ns: int = 0) -> Cut:
     """So long after the blow by the clock, of which the plant stood still for a part."""
-    return Cut(BLOW_NS + after_ns - overslept_ns - WAY_NS, BLOW_NS + after_ns)
+    return Cut(BLOW_NS + after_ns - overrun_ns - WAY_NS, BLOW_NS + after_ns)
 
 
 @pytest.mark.parametrize("periods", [1, 4])
@@ -44,10 +44,10 @@ def test_a_second_cut_long_after_the_first_is_a_late_one():
     assert not told(silence(), BLOW_NS, cut(50 * PERIOD_NS), BOUND_S).held
 
 
-@pytest.mark.parametrize(("overslept_ns", "held"), [(30_000_000, True), (29_000_000, False)])
-def test_what_the_plant_overslept_is_named_and_taken_off_and_no_more(overslept_ns: int, held: bool):
-    trial = told(silence(), BLOW_NS, cut(BOUND_NS + 30_000_000 - 1000, overslept_ns), BOUND_S)
-    assert trial.stalled_s == pytest.approx(overslept_ns / 1e9)
+@pytest.mark.parametrize(("overrun_ns", "held"), [(30_000_000, True), (29_000_000, False)])
+def test_what_the_plant_overrun_is_named_and_taken_off_and_no_more(overrun_ns: int, held: bool):
+    trial = told(silence(), BLOW_NS, cut(BOUND_NS + 30_000_000 - 1000, overrun_ns), BOUND_S)
+    assert trial.stalled_s == pytest.approx(overrun_ns / 1e9)
     assert trial.held == held
 
 

@@ -1,4 +1,4 @@
-"""The rule by which a rate is signed: on each limit, just past it, and with each number missing."""
+"""The rule by which a rate is qualified: on each limit, just past it, and with each number missing."""
 
 import math
 
@@ -13,16 +13,16 @@ from hydrohil.qualification.grading import (
     floor,
     is_evidence,
     judge,
-    signed_period_ns,
+    qualified_period_ns,
 )
 from hydrohil.qualification.spread import Spread
 from hydrohil.services.supervisor.config import SupervisorConfig
 from hydrohil.services.supervisor.params import limits
 from hydrohil.shared.host.lease import MAX_LEASE_NS
 from tests.support.qualification_scene import FINE, GOOD, PERIOD_NS, worst
-from tests.support.supervisor_scene import ABOUT
+from tests.support.supervisor_scene import DESCRIPTION
 
-SIGNED, NOT = Verdict("B", True, ()), Verdict("C", False, ("late",))
+QUALIFIED, NOT = Verdict("B", True, ()), Verdict("C", False, ("late",))
 
 
 def test_a_host_on_which_nothing_is_late_is_graded_a():
@@ -48,9 +48,9 @@ def test_what_was_not_measured_at_all_is_not_signed():
     ],
 )
 def test_a_rate_is_signed_on_each_limit_and_not_just_past_it(on: dict, past: dict, grade: str):
-    assert judge(GOOD._replace(**on)).signed
+    assert judge(GOOD._replace(**on)).qualified
     verdict = judge(GOOD._replace(**past))
-    assert (verdict.grade, verdict.signed, len(verdict.reasons)) == (grade, False, 1)
+    assert (verdict.grade, verdict.qualified, len(verdict.reasons)) == (grade, False, 1)
 
 
 @pytest.mark.parametrize(
@@ -58,12 +58,12 @@ def test_a_rate_is_signed_on_each_limit_and_not_just_past_it(on: dict, past: dic
 )
 def test_a_number_that_is_missing_is_not_signed(field: str):
     missing = Spread() if isinstance(getattr(GOOD, field), Spread) else math.nan
-    assert not judge(GOOD._replace(**{field: missing})).signed
+    assert not judge(GOOD._replace(**{field: missing})).qualified
 
 
 @pytest.mark.parametrize("field", Spread._fields)
 def test_an_infinite_percentile_is_not_signed(field: str):
-    assert not judge(GOOD._replace(accepted_us=FINE._replace(**{field: math.inf}))).signed
+    assert not judge(GOOD._replace(accepted_us=FINE._replace(**{field: math.inf}))).qualified
 
 
 @pytest.mark.parametrize(
@@ -79,7 +79,7 @@ def test_an_infinite_percentile_is_not_signed(field: str):
     ],
 )
 def test_one_late_sample_or_a_lease_above_20_ms_is_grade_b(changes: dict):
-    assert judge(GOOD._replace(**changes)) == SIGNED
+    assert judge(GOOD._replace(**changes)) == QUALIFIED
 
 
 def test_a_worst_wake_up_for_which_20_ms_suffice_is_still_grade_a():
@@ -96,9 +96,9 @@ def test_every_reason_says_its_number():
 
 
 def test_the_floor_is_the_supervisors_own_at_the_lease_of_industrial_arms():
-    about = ABOUT._replace(permit_ttl_ns=20_000_000)
+    description = DESCRIPTION._replace(permit_ttl_ns=20_000_000)
     for period_ns in (1_000_000, 2_000_000, PERIOD_NS, 10_000_000):
-        missed = limits(SupervisorConfig(), about._replace(sample_period_ns=period_ns)).missed_samples
+        missed = limits(SupervisorConfig(), description._replace(sample_period_ns=period_ns)).missed_samples
         assert floor(period_ns) == (100 - missed) / 100
 
 
@@ -107,18 +107,18 @@ def test_every_grade_has_words():
 
 
 @pytest.mark.parametrize(
-    ("verdicts", "signed", "deciding"),
+    ("verdicts", "qualified", "deciding"),
     [
         ({1: NOT, 2: NOT, 4: NOT}, 0, 4),
-        ({1: NOT, 2: SIGNED, 4: SIGNED}, 2, 2),
-        ({1: SIGNED, 2: SIGNED}, 1, 1),
-        ({1: SIGNED, 2: NOT, 4: SIGNED}, 4, 4),
-        ({1: SIGNED, 4: NOT}, 0, 4),
-        ({2: SIGNED}, 2, 2),
+        ({1: NOT, 2: QUALIFIED, 4: QUALIFIED}, 2, 2),
+        ({1: QUALIFIED, 2: QUALIFIED}, 1, 1),
+        ({1: QUALIFIED, 2: NOT, 4: QUALIFIED}, 4, 4),
+        ({1: QUALIFIED, 4: NOT}, 0, 4),
+        ({2: QUALIFIED}, 2, 2),
     ],
 )
-def test_the_highest_signed_rate_has_no_lower_one_that_was_tried_in_vain(verdicts: dict, signed: int, deciding: int):
-    assert signed_period_ns(verdicts) == signed
+def test_the_highest_signed_rate_has_no_lower_one_that_was_tried_in_vain(verdicts: dict, qualified: int, deciding: int):
+    assert qualified_period_ns(verdicts) == qualified
     assert deciding_period_ns(verdicts) == deciding
 
 

@@ -15,7 +15,7 @@ from hydrohil.services.plant.config import latch_substeps
 from hydrohil.thesis.library import find
 
 PERIOD_NS = 4_500_000
-SEEN = Timing((True,) * 150 + (False,) * 3 + (True,) * 97, (800.0,) * 247, 2)
+OBSERVED = Timing((True,) * 150 + (False,) * 3 + (True,) * 97, (800.0,) * 247, 2)
 STATUS = {
     "plant": {
         "counters": {
@@ -26,17 +26,17 @@ STATUS = {
             "lateness_us": {"p50": 40.0, "p99": 150.0, "max": 400.0},
             "worst_lateness_us": 2300.0,
         },
-        "reception": {"controller/command": {"accepted": 700, "lost": 1}, "supervisor/permit": {"accepted": 700}},
+        "link_stats": {"controller/command": {"accepted": 700, "lost": 1}, "supervisor/permit": {"accepted": 700}},
     },
-    "controller": {"reception": {"plant/sample": {"accepted": 700, "lost": 4}}},
-    "supervisor": {"reception": {"plant/sample": {"accepted": 700}}},
+    "controller": {"link_stats": {"plant/sample": {"accepted": 700, "lost": 4}}},
+    "supervisor": {"link_stats": {"plant/sample": {"accepted": 700}}},
 }
 
 
 def test_counts_are_the_plants_own_and_losses_those_of_every_receiver():
-    made = loop_figures(Figures(PERIOD_NS), "", SEEN, STATUS)
+    made = loop_figures(Figures(PERIOD_NS), "", OBSERVED, STATUS)
     assert (made.samples, made.unanswered, made.shifts, made.late_permits) == (694, 3.0, 2.0, 1.0)
-    assert made.lost == 1 + 4 + SEEN.missing
+    assert made.lost == 1 + 4 + OBSERVED.missing
     assert made.worst_window == 0.97
     assert made.accepted_us == Spread(800.0, 800.0, 800.0, 800.0)
     assert (made.grid_us.p50, made.grid_us.p99, made.grid_us.max) == (40.0, 150.0, 2300.0)
@@ -45,16 +45,16 @@ def test_counts_are_the_plants_own_and_losses_those_of_every_receiver():
 @pytest.mark.parametrize("silent", ["plant", "controller", "supervisor"])
 def test_a_service_that_does_not_answer_leaves_a_number_missing_and_the_rate_unsigned(silent: str):
     status = {service: told for service, told in STATUS.items() if service != silent}
-    made = loop_figures(Figures(PERIOD_NS), "", SEEN, status)
+    made = loop_figures(Figures(PERIOD_NS), "", OBSERVED, status)
     assert math.isnan(made.lost)
-    assert not judge(made).signed
+    assert not judge(made).qualified
 
 
 def test_before_the_loop_wake_ups_are_counted_by_what_they_would_do_to_the_grid():
     made = baseline_figures(PERIOD_NS, [500.0, 500.1, 4500.0, 4500.1], {"us": [1.0] * 4, "by": "x"}, {"us": [2.0], "lost": 3})
     assert (made.wake_ups_shifting, made.wake_ups_skipping, made.ping_lost) == (3.0, 1.0, 3.0)
     assert made.limit_us == Spread(1.0, 1.0, 1.0, 1.0) and made.limit_by == "x"
-    assert not judge(made).signed
+    assert not judge(made).qualified
 
 
 @pytest.mark.parametrize("period_substeps", [20, 40, 90, 200])

@@ -38,14 +38,14 @@ def test_what_is_kept_is_what_who_arms_reads():
 
 def test_where_no_rate_is_signed_the_lowest_tried_is_quoted():
     found = kept(tried(period_ns=2_000_000, ended="tripped"), tried(ended="gap", accepted_us=Spread()))
-    assert (found.signed_period_ns, found.grade, found.period_ns, found.accepted_p999_us) == (0, "D", PERIOD_NS, None)
+    assert (found.qualified_period_ns, found.grade, found.period_ns, found.accepted_p999_us) == (0, "D", PERIOD_NS, None)
     assert standing(fifo=True).qualified == found
 
 
 def test_a_rate_tried_again_replaces_its_trial_and_leaves_the_others():
     kept(tried(period_ns=2_000_000, ended="tripped"), tried())
-    assert kept(tried(period_ns=2_000_000, made="later")).signed_period_ns == 2_000_000
-    assert kept(tried(made="later still", ended="tripped")).signed_period_ns == 0
+    assert kept(tried(period_ns=2_000_000, made="later")).qualified_period_ns == 2_000_000
+    assert kept(tried(made="later still", ended="tripped")).qualified_period_ns == 0
     trials = json.loads(record_file(HERE, fifo=True).read_text())["trials"]
     assert {trial["period_ns"]: trial["made"] for trial in trials} == {2_000_000: "later", PERIOD_NS: "later still"}
 
@@ -68,7 +68,7 @@ def test_a_damaged_record_is_written_anew(text):
 
 def test_trials_of_another_boot_are_not_carried_over():
     kept(tried(period_ns=2_000_000), host=HERE._replace(boot_id="boot-0"))
-    assert kept(tried()).signed_period_ns == PERIOD_NS
+    assert kept(tried()).qualified_period_ns == PERIOD_NS
 
 
 def test_nothing_but_the_record_is_left_in_the_folder(tmp_path):

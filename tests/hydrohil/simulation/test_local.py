@@ -6,7 +6,7 @@ import pytest
 from hydrohil.experiment.experiment import Experiment
 from hydrohil.services.controller.config import ControllerConfig, ImpedanceConfig, Segment, segment_table
 from hydrohil.services.controller.step import control_start
-from hydrohil.services.plant.config import GateLimits, PlantConfig, bias_ticks
+from hydrohil.services.plant.config import GateLimits, PlantConfig, tare_ticks
 from hydrohil.services.plant.device import Timeline
 from hydrohil.services.plant.emulator import Emulator
 from hydrohil.services.plant.noise import force_noise_n, sample_intervals
@@ -54,7 +54,7 @@ def tared_n(outcome):
 
 def test_the_tool_presses_and_the_trial_runs_to_its_declared_end(pressed):
     assert len(pressed.rows.tick) == 444 - pressed.first_tick
-    assert (pressed.rows.tick[0], pressed.rows.tick[-1]) == (-bias_ticks(PLANT), 443)
+    assert (pressed.rows.tick[0], pressed.rows.tick[-1]) == (-tare_ticks(PLANT), 443)
     assert (pressed.supervisor.mode, pressed.gate.state) == (Mode.RUNNING, GateState.OPEN)
     assert 60.0 < tared_n(pressed)[-50:].mean() < 140.0
     assert (pressed.rows.mode == Mode.RUNNING).all()
@@ -86,7 +86,7 @@ def test_a_force_limit_just_below_the_peak_trips_at_that_very_tick_and_one_at_th
     seen = tripped.supervisor
     assert (seen.mode, seen.cause, seen.measured, seen.limit) == (Mode.TRIPPED, TripCause.FORCE_TARED, peak_n, limit_n)
     assert (tripped.gate.cause, tripped.gate.codes) == (GateCause.NO_PERMIT, (2048, 2048, 2048))
-    assert tripped.gate.burned[0] == 1
+    assert tripped.gate.revoked[0] == 1
     rows = len(tripped.rows.tick)
     assert tripped.rows.force_counts.tobytes() == pressed.rows.force_counts[:rows].tobytes()
     assert play_local(press(force_limit_n=peak_n), 3).rows.tick[-1] == 443
@@ -143,7 +143,7 @@ def test_the_emulator_given_the_same_codes_is_the_rollouts_machine(pressed):
     start = 0
     for i in range(len(pressed.rows.tick)):
         timeline.substep, timeline.number, timeline.tick = start, i, int(pressed.rows.tick[i])
-        reading, seen = emulator.read(), emulator.truth()
+        reading, seen = emulator.read(), emulator.ground_truth()
         assert reading.encoder_counts == tuple(pressed.rows.encoder_counts[i])
         assert reading.force_counts == pressed.rows.force_counts[i]
         assert seen.q_rad == tuple(pressed.rows.true_q_rad[i])

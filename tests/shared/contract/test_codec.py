@@ -116,7 +116,7 @@ def test_a_frame_replayed_on_another_key_is_corrupt():
         ({"cell": "left"}, "cell", "left"),
         ({"sender": "plant"}, "sender", "plant"),
         ({"epoch": 2.0}, "malformed", "header"),
-        ({"arming": True}, "malformed", "header"),
+        ({"arming_id": True}, "malformed", "header"),
         ({"seq": None}, "malformed", "header"),
         ({"experiment": "text"}, "malformed", "header"),
         ({"cell": b"cell"}, "malformed", "header"),
@@ -164,7 +164,7 @@ COUNTS = ["controller/command", *[0] * (len(InboxCounts._fields) - 1)]
 
 @pytest.mark.parametrize("wrong", [COUNTS[:-1], [*COUNTS, 0], [*COUNTS[:-1], 0.0], [*COUNTS[:-1], True], [], 5, None, "text"])
 def test_a_message_is_malformed_if_one_inside_it_is(wrong):
-    topic = BY_KEY["plant/reception"]
+    topic = BY_KEY["plant/link_stats"]
     key = expression(CELL, topic.key)
 
     def told(*inboxes):

@@ -6,11 +6,11 @@ import pytest
 from annotated_types import Len
 
 from hydrohil.services.recorder.writer import WITHOUT_ROWS
-from hydrohil.shared.contract.columns import TRUTH_FIGURES, column_names, figure_values, figures, flat_rows
+from hydrohil.shared.contract.columns import GROUND_TRUTH_FIGURES, column_names, figure_values, figures, flat_rows
 from hydrohil.shared.contract.converters import ZERO_CODE, code_to_current
-from hydrohil.shared.contract.messages import Command, ControllerState, Permit, Sample, Truth
+from hydrohil.shared.contract.messages import Command, ControllerState, GroundTruth, Permit, Sample
 from hydrohil.shared.contract.topics import TOPICS, Topic
-from tests.support.recorder_trial import ABOUT, exact, received, trial
+from tests.support.recorder_trial import DESCRIPTION, exact, received, trial
 
 ANY = received("controller/command", Command((2048,) * 3), 0).header
 
@@ -19,7 +19,7 @@ def first(message: type, skip: int = 700):
     return [m for m in trial(400) if isinstance(m.body, message)][skip]
 
 
-@pytest.mark.parametrize("message", [Sample, Truth, ControllerState, Permit, Command])
+@pytest.mark.parametrize("message", [Sample, GroundTruth, ControllerState, Permit, Command])
 def test_every_scalar_of_a_message_has_one_name(message: type):
     m = first(message)
     names = column_names(m.body, m.header)
@@ -32,11 +32,11 @@ def test_arrays_are_named_by_their_own_length_so_that_another_machine_fits():
     assert column_names(Command((1, 2, 3, 4, 5))) == tuple(f"dac_counts[{i}]" for i in range(5))
 
 
-@pytest.mark.parametrize("message", [Sample, Truth, ControllerState, Permit])
+@pytest.mark.parametrize("message", [Sample, GroundTruth, ControllerState, Permit])
 def test_every_figure_finds_its_columns(message: type):
     m = first(message)
     names, matrix = column_names(m.body, m.header), flat_rows([m.body], [m.header.seq])
-    drawn = figures(message, ABOUT.converters)
+    drawn = figures(message, DESCRIPTION.converters)
     assert drawn
     for figure in drawn:
         values = figure_values(figure, names, matrix)
@@ -45,7 +45,7 @@ def test_every_figure_finds_its_columns(message: type):
 
 def test_the_valve_figure_shows_the_current_that_the_codes_drive():
     sample = first(Sample).body._replace(dac_counts=(ZERO_CODE, 3276, 820))
-    figure = figures(Sample, ABOUT.converters)[0]
+    figure = figures(Sample, DESCRIPTION.converters)[0]
     values = figure_values(figure, column_names(sample, ANY), flat_rows([sample], [0]))
     expected = [0.0, 1e3 * code_to_current(3276), 1e3 * code_to_current(820)]
     np.testing.assert_allclose(values, [expected], atol=1e-9)
@@ -59,7 +59,7 @@ def test_the_error_is_set_point_minus_measured_in_degrees():
 
 
 def test_a_message_without_the_column_draws_no_figure():
-    assert figure_values(TRUTH_FIGURES[0], ("number",), np.zeros((3, 1))) is None
+    assert figure_values(GROUND_TRUTH_FIGURES[0], ("number",), np.zeros((3, 1))) is None
 
 
 def test_nan_and_infinity_stay_what_they_are():

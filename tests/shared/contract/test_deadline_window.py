@@ -2,15 +2,15 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from hydrohil.shared.compiled.kernel import compiled
-from hydrohil.shared.contract.deadline_window import WINDOW, Answers, answers_step, quality
+from hydrohil.shared.contract.deadline_window import WINDOW, DeadlineWindow, deadline_window_step, quality
 
-step_compiled = compiled(answers_step)
+step_compiled = compiled(deadline_window_step)
 
 
 def play(steps):
-    answers = Answers()
+    answers = DeadlineWindow()
     for lost, in_time in steps:
-        answers = answers_step(answers, lost, in_time)
+        answers = deadline_window_step(answers, lost, in_time)
     return answers
 
 
@@ -25,11 +25,11 @@ def test_the_window_holds_what_the_last_hundred_samples_were(steps):
 
 
 def test_a_miss_leaves_the_window_after_a_hundred_samples():
-    answers = answers_step(Answers(), 0, False)
+    answers = deadline_window_step(DeadlineWindow(), 0, False)
     for _ in range(99):
-        answers = answers_step(answers, 0, True)
+        answers = deadline_window_step(answers, 0, True)
         assert answers.missed == 1
-    assert answers_step(answers, 0, True) == Answers()
+    assert deadline_window_step(answers, 0, True) == DeadlineWindow()
 
 
 def test_misses_in_a_row_are_counted_until_an_answer_is_in_time():
@@ -46,7 +46,7 @@ def test_quality_is_the_share_answered_in_time():
 @settings(deadline=None)
 @given(st.lists(st.tuples(st.integers(-2, 120), st.booleans()), max_size=6))
 def test_plain_and_compiled_windows_agree(steps):
-    machine = Answers()
+    machine = DeadlineWindow()
     for lost, in_time in steps:
         machine = step_compiled(machine, lost, in_time)
     assert tuple(machine) == play(steps)

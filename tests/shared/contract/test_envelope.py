@@ -17,7 +17,7 @@ class Arm(NamedTuple):
 
 
 def sealed(experiment=None, **changes):
-    values = {"run": 1, "seed": 2, "clock": "real", "bias_ticks": 3, "duration_ticks": 4} | changes
+    values = {"run": 1, "seed": 2, "clock": "real", "tare_ticks": 3, "duration_ticks": 4} | changes
     return seal(experiment if experiment is not None else {}, **values)
 
 
@@ -61,8 +61,8 @@ def test_what_is_no_envelope_is_refused_in_one_line(text):
         {"run": 2**63},
         {"seed": 1.0},
         {"seed": True},
-        {"bias_ticks": "3"},
-        {"bias_ticks": 10_001},
+        {"tare_ticks": "3"},
+        {"tare_ticks": 10_001},
         {"duration_ticks": 3_600_001},
     ],
     ids=str,
@@ -79,7 +79,7 @@ def test_an_experiment_is_an_object(experiment):
 
 
 def test_the_ends_of_the_bounds_are_good():
-    assert unseal(sealed(run=2**63 - 1, seed=2**64 - 1, bias_ticks=0, duration_ticks=3_600_000)).run == 2**63 - 1
+    assert unseal(sealed(run=2**63 - 1, seed=2**64 - 1, tare_ticks=0, duration_ticks=3_600_000)).run == 2**63 - 1
 
 
 def test_a_section_is_validated_and_what_is_absent_is_the_default():

@@ -1,5 +1,5 @@
 from hydrohil.shared.contract.messages import Command, Sample
-from hydrohil.shared.contract.topics import BY_KEY, BY_SCHEMA, HERALD, SERVICES, TOPICS, expression
+from hydrohil.shared.contract.topics import BY_KEY, BY_SCHEMA, SERVICES, TOPICS, WARMUP, expression
 
 
 def test_keys_and_schemas_name_one_topic_each():
@@ -14,9 +14,9 @@ def test_every_topic_of_the_loop_has_a_deadline_and_comes_once_a_sample():
     assert all(topic.deadline and topic.per_sample for topic in loop)
 
 
-def test_a_herald_is_a_sample_that_cannot_be_taken_for_one_and_nobody_records_it():
-    assert (HERALD.message, HERALD.publisher) == (Sample, "plant")
-    assert HERALD not in TOPICS and HERALD.schema != BY_KEY["plant/sample"].schema
+def test_a_warmup_is_a_sample_that_cannot_be_taken_for_one_and_nobody_records_it():
+    assert (WARMUP.message, WARMUP.publisher) == (Sample, "plant")
+    assert WARMUP not in TOPICS and WARMUP.schema != BY_KEY["plant/sample"].schema
 
 
 def test_cells_share_a_network_by_their_keys():

@@ -45,7 +45,7 @@ def test_the_grid_is_absolute_and_does_not_drift(wall):
 
 
 @pytest.mark.parametrize(("late_ns", "shift_ns"), [(SLACK_NS, 0), (SLACK_NS + 1, SLACK_NS + 1), (50_000_000, 50_000_000)])
-def test_only_what_was_overslept_beyond_the_slack_shifts_the_rest_of_the_grid(wall, late_ns, shift_ns):
+def test_only_what_was_overrun_beyond_the_slack_shifts_the_rest_of_the_grid(wall, late_ns, shift_ns):
     grid, start = Grid(), wall.now_ns
     wall.late_ns = late_ns
     assert grid.wait(90) == late_ns

@@ -67,8 +67,8 @@ def test_a_record_with_real_time_scheduling_does_not_count_without():
         "[]",
         "null",
         json.dumps({"host": HERE._asdict() | {"boot_id": "boot-0"}, "summary": FOUND._asdict()}),
-        json.dumps({"host": HERE._asdict(), "summary": FOUND._asdict() | {"signed_period_ns": "2 ms"}}),
-        json.dumps({"host": HERE._asdict(), "summary": FOUND._asdict() | {"signed_period_ns": -1}}),
+        json.dumps({"host": HERE._asdict(), "summary": FOUND._asdict() | {"qualified_period_ns": "2 ms"}}),
+        json.dumps({"host": HERE._asdict(), "summary": FOUND._asdict() | {"qualified_period_ns": -1}}),
         json.dumps({"host": HERE._asdict(), "summary": FOUND._asdict() | {"late_share": float("nan")}}),
         json.dumps({"host": HERE._asdict(), "summary": FOUND._asdict() | {"period_ns": 0}}),
         json.dumps({"host": HERE._asdict(), "summary": {"grade": "A"}}),
@@ -98,7 +98,7 @@ def test_what_a_status_tells_is_read_back():
 def test_the_words_tell_grade_rate_date_and_figures():
     text = words(FOUND)
     assert all(part in text for part in ("500 Hz", "grade B", FOUND.made, "0.04%", "10000", "1.4 ms", "12 ms", "36 ms"))
-    assert "no rate is signed" in words(FOUND._replace(signed_period_ns=0, late_share=None))
+    assert "no rate is qualified" in words(FOUND._replace(qualified_period_ns=0, late_share=None))
 
 
 @pytest.mark.parametrize(
@@ -116,7 +116,7 @@ def test_the_refusal_says_what_where_unit_what_was_expected_and_what_to_do():
 
 
 def test_where_no_rate_is_signed_none_is_allowed_and_without_a_record_every_one_is():
-    assert "no rate" in beyond(FOUND._replace(signed_period_ns=0), 10_000_000)
+    assert "no rate" in beyond(FOUND._replace(qualified_period_ns=0), 10_000_000)
     assert beyond(None, 1_000_000) == ""
 
 

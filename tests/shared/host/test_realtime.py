@@ -8,14 +8,14 @@ from hydrohil.shared.host.realtime import FIFO_PRIORITY, PLANT_PRIORITY
 
 ROUNDS = """
 import os, threading
-from shared import realtime
+from hydrohil.shared.host import realtime
 threading.Thread(target=threading.Event().wait, daemon=True).start()
-granted = realtime.claim(realtime={realtime}).fifo
+granted = realtime.request_realtime(realtime={realtime}).fifo
 def policies():
     return sorted({{os.sched_getscheduler(int(thread)) for thread in os.listdir("/proc/self/task")}})
 print(granted)
 for clock in ("lockstep", "real", "lockstep"):
-    realtime.follow(clock)
+    realtime.set_scheduling(clock)
     print(*policies())
 """
 
@@ -38,14 +38,14 @@ def test_every_thread_is_scheduled_as_the_clock_wants_and_real_time_only_where_i
 
 SETTLED = """
 import os
-from shared import realtime
-granted = realtime.claim(realtime={realtime}, priority={priority}).fifo
+from hydrohil.shared.host import realtime
+granted = realtime.request_realtime(realtime={realtime}, priority={priority}).fifo
 allowed = sorted(os.sched_getaffinity(0))
 print(granted, *allowed)
-realtime.settle({number}, alone={alone})
+realtime.pin_cpu({number}, alone={alone})
 print(*sorted(os.sched_getaffinity(0)))
-realtime.follow("lockstep")
-realtime.follow("real")
+realtime.set_scheduling("lockstep")
+realtime.set_scheduling("real")
 print(os.sched_getparam(0).sched_priority)
 """
 
@@ -80,17 +80,17 @@ def test_the_plant_goes_before_who_answers_it_and_keeps_that_from_clock_to_clock
     assert PLANT_PRIORITY > FIFO_PRIORITY
 
 
-UNHURRIED = """
+WITHOUT_REALTIME = """
 import os, threading
-from shared import realtime
+from hydrohil.shared.host import realtime
 def scheduled():
     return os.sched_getscheduler(0), os.sched_getparam(0).sched_priority
 other = threading.Thread(target=threading.Event().wait, daemon=True)
-realtime.claim(realtime={realtime})
+realtime.request_realtime(realtime={realtime})
 other.start()
 before = scheduled()
 try:
-    with realtime.unhurried():
+    with realtime.without_realtime():
         assert scheduled() == (os.SCHED_OTHER, 0)
         assert os.sched_getscheduler(other.native_id) == before[0]
         raise ValueError
@@ -101,4 +101,4 @@ except ValueError:
 
 @pytest.mark.parametrize("realtime", [True, False])
 def test_unhurried_work_gives_way_in_its_own_thread_alone_and_ends_as_it_began(realtime):
-    subprocess.run([sys.executable, "-c", UNHURRIED.format(realtime=realtime)], check=True)
+    subprocess.run([sys.executable, "-c", WITHOUT_REALTIME.format(realtime=realtime)], check=True)

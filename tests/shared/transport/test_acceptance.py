@@ -49,7 +49,7 @@ def test_after_a_flood_of_epochs_the_bound_one_goes_on_and_no_other_is_taken():
     acceptance, passed = taken([*flood, (MOST_EPOCHS + 1, 0), (0, 1), (MOST_EPOCHS, 1)])
     assert passed == [*flood, (MOST_EPOCHS, 1)]
     assert acceptance.discarded == {"epoch": 2}
-    assert acceptance.rivals == MOST_EPOCHS + 2
+    assert acceptance.epoch_conflicts == MOST_EPOCHS + 2
 
 
 def test_an_epoch_of_zero_is_an_epoch_like_any_other():
@@ -79,7 +79,7 @@ def test_a_corrupt_frame_counts_against_the_link_only_if_its_header_still_names_
         acceptance.take(stranger)
     assert acceptance.link_faults == 0
     acceptance.take(corrupt())
-    assert (acceptance.link_faults, acceptance.rivals, acceptance.discarded) == (1, 0, {"crc": 6})
+    assert (acceptance.link_faults, acceptance.epoch_conflicts, acceptance.discarded) == (1, 0, {"crc": 6})
 
 
 @pytest.mark.parametrize("cause", ["oversized", "malformed", "version", "schema", "cell", "sender"])
@@ -87,18 +87,18 @@ def test_what_is_refused_for_another_cause_is_a_stranger_whatever_it_says_of_its
     acceptance = Acceptance()
     acceptance.take(frame(1, 0))
     acceptance.take(corrupt()._replace(cause=cause))
-    assert (acceptance.link_faults, acceptance.rivals) == (0, 0)
+    assert (acceptance.link_faults, acceptance.epoch_conflicts) == (0, 0)
 
 
 def test_a_frame_that_comes_again_or_too_late_counts_against_the_link_and_a_lost_one_does_not():
     acceptance, _ = taken([(1, 0), (1, 5), (1, 5), (1, 3)])
-    assert (acceptance.link_faults, acceptance.rivals, acceptance.lost) == (2, 0, 4)
+    assert (acceptance.link_faults, acceptance.epoch_conflicts, acceptance.lost) == (2, 0, 4)
 
 
-def test_one_that_starts_anew_is_a_rival_once_and_two_that_speak_at_once_are_rivals_with_every_frame():
-    assert taken([(1, 0), (1, 1), (2, 0), (2, 1), (2, 2)])[0].rivals == 1
+def test_one_that_starts_anew_is_a_epoch_conflict_once_and_two_that_speak_at_once_are_epoch_conflicts_with_every_frame():
+    assert taken([(1, 0), (1, 1), (2, 0), (2, 1), (2, 2)])[0].epoch_conflicts == 1
     acceptance, _ = taken([(1, 0), (2, 0), (1, 1), (2, 1), (1, 2), (2, 2)])
-    assert (acceptance.rivals, acceptance.link_faults) == (3, 0)
+    assert (acceptance.epoch_conflicts, acceptance.link_faults) == (3, 0)
 
 
 def test_the_bound_identity_is_that_of_the_newest_frame_taken():
@@ -120,6 +120,6 @@ def test_what_is_taken_is_increasing_within_an_epoch_and_no_epoch_returns(frames
 
 def test_before_the_first_frame_nothing_is_counted_and_nobody_is_bound():
     fresh = Acceptance()
-    counts = (fresh.lost, fresh.accepted, fresh.other_run, fresh.link_faults, fresh.rivals, fresh.discarded)
+    counts = (fresh.lost, fresh.accepted, fresh.other_run, fresh.link_faults, fresh.epoch_conflicts, fresh.discarded)
     assert counts == (0, 0, 0, 0, 0, {})
     assert fresh.bound is None

@@ -10,7 +10,7 @@ from hydrohil.shared.contract.topics import BY_KEY
 from hydrohil.shared.transport.bus import Bus
 from hydrohil.shared.transport.impairment_queue import Conditions
 from hydrohil.shared.transport.inbox import RING, Inbox
-from hydrohil.shared.transport.step_lock import Turns
+from hydrohil.shared.transport.step_lock import StepLock
 from tests.support.wire_scene import CELL, EPOCHS, Query, state_body
 
 
@@ -74,7 +74,7 @@ class Stepped:
         self.bus = Bus("controller", CELL, 7450, EPOCHS["controller"])
         self.inbox = Inbox(BY_KEY["plant/sample"], CELL, RING, self.bus._arrived)
         self.bus._inboxes[self.inbox] = None
-        self.bus.attend(Turns(step))
+        self.bus.attend(StepLock(step))
 
     def arrive(self):
         sample = SimpleNamespace(payload=SimpleNamespace(to_bytes=lambda: b"frame"))
@@ -121,7 +121,7 @@ def test_a_thread_of_the_transport_keeps_its_python_state_from_frame_to_frame():
 
     with Bus("plant", CELL, port, 1) as plant, Bus("controller", CELL, port, 2) as controller:
         controller.subscribe("controller/state")
-        controller.attend(Turns(step))
+        controller.attend(StepLock(step))
         deadline = time.monotonic() + 10.0
         while len(seen) < 20 and time.monotonic() < deadline:
             plant.publish("controller/state", state_body())

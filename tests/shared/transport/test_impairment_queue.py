@@ -52,7 +52,7 @@ def instant(tick, substeps=0):
 
 def test_a_way_that_no_fault_touches_is_left_alone():
     scene = Scene("controller/command", "plant", Fault("loss", "supervisor>plant", value=0.5))
-    assert scene.inbox.detour is None
+    assert scene.inbox.impairment_queue is None
 
 
 def test_a_late_command_comes_at_its_sub_step_of_simulated_time_and_nobody_waits_for_it():
@@ -163,11 +163,11 @@ def test_a_cut_takes_what_is_sent_again_on_an_old_sample_too():
 
 
 def test_a_cut_takes_every_topic_of_its_path():
-    scene = Scene("plant/about", "supervisor", Fault("partition", "plant>supervisor"))
-    assert scene.inbox.detour is not None
-    passed = Inbox(BY_KEY["controller/passed"], CELL, RING, lambda: None)
+    scene = Scene("plant/description", "supervisor", Fault("partition", "plant>supervisor"))
+    assert scene.inbox.impairment_queue is not None
+    passed = Inbox(BY_KEY["controller/sample_dropped"], CELL, RING, lambda: None)
     passed.impair(Conditions("plant", (Fault("partition", "controller>plant"),), seed=1, period=90, ticks=(0, 9), lockstep=True))
-    assert passed.detour is None  # word of what a fault took is no message of the rig
+    assert passed.impairment_queue is None  # word of what a fault took is no message of the rig
 
 
 def test_in_lockstep_a_lost_sample_is_told_and_a_late_one_answered_at_once():
@@ -193,14 +193,14 @@ def test_in_real_a_late_frame_waits_on_the_wall_clock_and_the_wake_up_is_known()
     scene = Scene("controller/command", "plant", LATE, lockstep=False)
     scene.put(5)
     assert scene.ticks() == []
-    detour = scene.inbox.detour
-    assert detour.released(0, detour.next_ns() - 1) == []
-    (frame,) = detour.released(0, detour.next_ns())
+    impairment_queue = scene.inbox.impairment_queue
+    assert impairment_queue.released(0, impairment_queue.next_ns() - 1) == []
+    (frame,) = impairment_queue.released(0, impairment_queue.next_ns())
     assert frame.arrival_ns > 0
 
 
 def load(faults, clock="lockstep"):
-    text = seal({"faults": faults}, run=1, seed=1, clock=clock, bias_ticks=8, duration_ticks=100)
+    text = seal({"faults": faults}, run=1, seed=1, clock=clock, tare_ticks=8, duration_ticks=100)
     return conditions_of(unseal(text), idle("plant"))
 
 
@@ -237,14 +237,14 @@ def test_lockstep_is_refused_while_something_injected_acts():
     before = idle("plant")
     before.inject(((Fault("loss", "controller>plant", value=0.1), 7),))
     with pytest.raises(ValueError, match="inject --clear"):
-        conditions_of(unseal(seal({}, run=1, seed=1, clock="lockstep", bias_ticks=8, duration_ticks=100)), before)
-    kept = conditions_of(unseal(seal({}, run=1, seed=1, clock="real", bias_ticks=8, duration_ticks=100)), before)
+        conditions_of(unseal(seal({}, run=1, seed=1, clock="lockstep", tare_ticks=8, duration_ticks=100)), before)
+    kept = conditions_of(unseal(seal({}, run=1, seed=1, clock="real", tare_ticks=8, duration_ticks=100)), before)
     assert kept.by_hand == before.by_hand
 
 
 def test_what_is_injected_by_hand_begins_with_the_next_sample_in_a_trial_or_outside():
     scene = Scene("controller/command", "plant", lockstep=False)
-    assert scene.inbox.detour is None
+    assert scene.inbox.impairment_queue is None
     scene.conditions.see(ZERO_NUMBER + 4, NO_TRIAL)
     scene.conditions.inject(((Fault("burst", "controller>plant", value=2.0), ZERO_NUMBER + 4),))
     scene.inbox.impair(scene.conditions)
@@ -261,4 +261,4 @@ def test_a_fault_on_any_way_to_a_service_makes_it_look_at_the_samples_which_tell
     samples.put(5)
     assert samples.ticks() == [5]
     assert samples.conditions.tick == 5
-    assert Scene("plant/sample", "supervisor", Fault("partition", "controller>plant")).inbox.detour is None
+    assert Scene("plant/sample", "supervisor", Fault("partition", "controller>plant")).inbox.impairment_queue is None

@@ -5,7 +5,7 @@ from hydrohil.shared.contract.messages import InboxCounts
 from hydrohil.shared.contract.topics import BY_KEY, TOPICS, expression
 from hydrohil.shared.transport.acceptance import Acceptance
 from hydrohil.shared.transport.inbox import Inbox
-from hydrohil.shared.transport.link_stats import CAUSES, due, inbox_counts, reception, told
+from hydrohil.shared.transport.link_stats import CAUSES, due, inbox_counts, link_stats, told
 from tests.support.wire_scene import CELL, command_body, header
 
 COMMAND = BY_KEY["controller/command"]
@@ -31,7 +31,7 @@ def test_every_count_stands_under_its_name():
         "lost": 2,
         "other_run": 1,
         "link_faults": 1,
-        "rivals": 1,
+        "epoch_conflicts": 1,
         "oversized": 1,
         "crc": 2,
         "sequence": 1,
@@ -71,15 +71,15 @@ def test_every_cause_for_which_a_frame_is_discarded_has_a_count():
 
 def test_the_largest_counts_of_all_topics_fit_a_frame():
     full = Acceptance()
-    full.accepted = full.lost = full.other_run = full.link_faults = full.rivals = 2**63 - 1
+    full.accepted = full.lost = full.other_run = full.link_faults = full.epoch_conflicts = 2**63 - 1
     full.discarded.update(dict.fromkeys(CAUSES, 2**63 - 1))
     inboxes = [Inbox(topic, CELL, 1, lambda: None) for topic in TOPICS]
     for made in inboxes:
         made.acceptance = full
-    key = expression(CELL, "plant/reception")
-    frame = encode(key, header("plant/reception"), reception(2**63 - 1, inboxes))
+    key = expression(CELL, "plant/link_stats")
+    frame = encode(key, header("plant/link_stats"), link_stats(2**63 - 1, inboxes))
     assert len(frame) <= MAX_FRAME_BYTES
-    assert isinstance(decode(key, BY_KEY["plant/reception"], CELL, frame, 0), Received)
+    assert isinstance(decode(key, BY_KEY["plant/link_stats"], CELL, frame, 0), Received)
 
 
 def test_the_counts_are_told_once_a_second_of_samples():

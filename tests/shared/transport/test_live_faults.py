@@ -29,7 +29,7 @@ class Scene:
 def test_a_path_that_ends_here_is_broken_from_the_next_sample_on():
     scene = Scene()
     assert scene.ask("inject", kind="loss", target="controller>supervisor", value=0.5) == (True, "", {"number": 42})
-    assert scene.states.detour is not None
+    assert scene.states.impairment_queue is not None
     assert [fault["target"] for fault in scene.faults.acting()] == ["controller>supervisor"]
 
 
@@ -117,7 +117,7 @@ def test_delays_by_hand_that_add_up_to_more_than_a_second_on_one_path_are_refuse
 
 
 def envelope(clock):
-    return unseal(seal({}, run=1, seed=1, clock=clock, bias_ticks=8, duration_ticks=100))
+    return unseal(seal({}, run=1, seed=1, clock=clock, tare_ticks=8, duration_ticks=100))
 
 
 @pytest.mark.parametrize(("later_ns", "acts"), [(1, True), (1_999_999_999, True), (2_000_000_000, False)])

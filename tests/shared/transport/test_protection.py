@@ -5,7 +5,7 @@ from hydrohil.shared.contract.codec import Received, Rejected
 from hydrohil.shared.transport.acceptance import Acceptance
 from hydrohil.shared.transport.protection import (
     FAULTS_PER_S,
-    LinkSeen,
+    LinkObservation,
     Protection,
     ProtectionLimits,
     ProtectionMemory,
@@ -74,22 +74,22 @@ def test_a_watch_tells_each_fault_once_and_for_a_second():
     assert watch.look(0) == (0, 0)
     for message in (frame(0), frame(0), frame(1), corrupt(), corrupt()):
         acceptance.take(message)
-    assert watch.look(10) == LinkSeen(faults=3, rivals=0)
+    assert watch.look(10) == LinkObservation(faults=3, epoch_conflicts=0)
     assert watch.look(SECOND + 9) == (3, 0)
     assert watch.look(SECOND + 10) == (0, 0)
     acceptance.take(frame(0, epoch=2))
     acceptance.take(frame(2))
-    assert watch.look(SECOND + 11) == LinkSeen(faults=0, rivals=2)
+    assert watch.look(SECOND + 11) == LinkObservation(faults=0, epoch_conflicts=2)
     acceptance.take(frame(3))
-    assert watch.look(2 * SECOND + 10) == LinkSeen(faults=0, rivals=3)
-    assert watch.look(2 * SECOND + 11) == LinkSeen(faults=0, rivals=1)
+    assert watch.look(2 * SECOND + 10) == LinkObservation(faults=0, epoch_conflicts=3)
+    assert watch.look(2 * SECOND + 11) == LinkObservation(faults=0, epoch_conflicts=1)
 
 
 def test_what_came_before_the_first_look_counts():
     acceptance = Acceptance()
     for message in (frame(0), frame(0), frame(0, epoch=2)):
         acceptance.take(message)
-    assert Protection(acceptance, LIMITS).look(0) == LinkSeen(faults=1, rivals=1)
+    assert Protection(acceptance, LIMITS).look(0) == LinkObservation(faults=1, epoch_conflicts=1)
 
 
 def test_one_a_second_is_borne():
@@ -97,5 +97,5 @@ def test_one_a_second_is_borne():
 
 
 def test_faults_of_different_links_are_not_added():
-    assert worst(LinkSeen(1, 0), LinkSeen(1, 2)) == LinkSeen(1, 2)
-    assert worst(LinkSeen(3, 1), LinkSeen(1, 0)) == LinkSeen(3, 1)
+    assert worst(LinkObservation(1, 0), LinkObservation(1, 2)) == LinkObservation(1, 2)
+    assert worst(LinkObservation(3, 1), LinkObservation(1, 0)) == LinkObservation(3, 1)

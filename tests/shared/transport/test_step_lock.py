@@ -4,7 +4,7 @@ from collections import deque
 
 import pytest
 
-from hydrohil.shared.transport.step_lock import Turns
+from hydrohil.shared.transport.step_lock import StepLock
 
 
 def test_who_finds_the_turn_taken_returns_at_once_and_its_cause_is_served_by_who_has_it():
@@ -15,7 +15,7 @@ def test_who_finds_the_turn_taken_returns_at_once_and_its_cause_is_served_by_who
         begun.set()
         go_on.wait(10.0)
 
-    turns = Turns(step)
+    turns = StepLock(step)
     holder = threading.Thread(target=turns.take, name="holder")
     holder.start()
     assert begun.wait(10.0)
@@ -35,7 +35,7 @@ def test_however_many_find_it_taken_one_more_step_serves_them_all():
             for _ in range(5):
                 turns.take()
 
-    turns = Turns(step)
+    turns = StepLock(step)
     turns.take()
     assert served == [0, 1]
 
@@ -47,7 +47,7 @@ def test_no_cause_is_lost_between_threads():
         while brought:
             done.append(brought.popleft())
 
-    turns = Turns(step)
+    turns = StepLock(step)
 
     def bring() -> None:
         for i in range(2000):
@@ -65,7 +65,7 @@ def test_no_cause_is_lost_between_threads():
 
 def test_work_comes_before_the_step_and_what_came_during_it_is_in_that_step():
     order = []
-    turns = Turns(lambda: order.append("step"))
+    turns = StepLock(lambda: order.append("step"))
 
     def work() -> None:
         turns.take()
@@ -83,7 +83,7 @@ def test_who_serves_is_told_of_what_came_while_it_stepped():
         if len(steps) == 1:
             turns.take()
 
-    turns = Turns(step)
+    turns = StepLock(step)
     assert turns.between(lambda: None)
     assert not turns.between(lambda: None)
     assert len(steps) == 2
@@ -101,7 +101,7 @@ def test_a_flood_that_gives_cause_at_every_step_does_not_keep_who_serves_away():
                 time.sleep(0.001)
             turns.take()  # as another thread would: something has come again
 
-    turns = Turns(step)
+    turns = StepLock(step)
     serving = threading.Thread(target=turns.between, args=(lambda: order.append("work"),), name="server")
     flooded = threading.Thread(target=turns.take, name="transport")
     flooded.start()
@@ -120,7 +120,7 @@ def test_a_step_that_raises_gives_the_turn_back():
         if outcome is not None:
             raise outcome
 
-    turns = Turns(step)
+    turns = StepLock(step)
     with pytest.raises(ValueError, match="broken"):
         turns.take()
     turns.take()

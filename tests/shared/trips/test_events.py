@@ -1,5 +1,5 @@
 from hydrohil.shared.contract.messages import GateCause, GateEvent, GateState, InboxCounts, ParameterEvent, Permit
-from hydrohil.shared.trips.events import gap_event, gate_event, is_told, parameter_event, permit_events, reception_event
+from hydrohil.shared.trips.events import gap_event, gate_event, is_told, link_stats_event, parameter_event, permit_events
 from hydrohil.shared.trips.gaps import Counted, Sequence
 from tests.support.recorder_trial import received, trial
 
@@ -37,10 +37,10 @@ def test_an_unknown_mode_is_told_as_its_number():
     assert permit_events(permit, permit._replace(mode=42))[0].text == "disarmed -> 42"
 
 
-def test_a_burned_gate_is_an_error_and_a_shut_one_a_warning():
-    event = GateEvent(3, 2, GateState.BURNED, GateCause.FORCE_ABOVE_LIMIT, 0, 0, 431.9, 420.0)
+def test_a_revoked_gate_is_an_error_and_a_shut_one_a_warning():
+    event = GateEvent(3, 2, GateState.REVOKED, GateCause.FORCE_ABOVE_LIMIT, 0, 0, 431.9, 420.0)
     assert gate_event(event).level == "ERROR"
-    assert gate_event(event).text == "gate burned: force above limit, 431.9 against 420, sample 3"
+    assert gate_event(event).text == "gate revoked: force above limit, 431.9 against 420, sample 3"
     assert gate_event(event._replace(state=GateState.SHUT)).level == "WARN"
 
 
@@ -57,11 +57,11 @@ def test_refusals_are_told_at_each_doubling():
 
 def test_a_count_that_grows_is_told_and_the_first_telling_is_the_base():
     base = InboxCounts("plant/sample", 100, 1, *(0,) * 12)
-    assert reception_event("supervisor", None, base) is None
-    assert reception_event("supervisor", base, base._replace(accepted=200)) is None
-    event = reception_event("supervisor", base, base._replace(lost=4, crc=2, link_faults=1))
+    assert link_stats_event("supervisor", None, base) is None
+    assert link_stats_event("supervisor", base, base._replace(accepted=200)) is None
+    event = link_stats_event("supervisor", base, base._replace(lost=4, crc=2, link_faults=1))
     assert event == ("supervisor", "WARN", "supervisor of plant/sample: 3 lost, 1 link faults, 2 crc")
-    assert reception_event("supervisor", base._replace(lost=9), base) is None  # it started anew
+    assert link_stats_event("supervisor", base._replace(lost=9), base) is None  # it started anew
 
 
 def test_a_parameter_changed_by_hand_is_a_warning_and_a_scheduled_one_is_not():

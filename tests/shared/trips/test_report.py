@@ -5,7 +5,7 @@ import math
 
 import pytest
 
-from hydrohil.shared.contract.messages import Reception, TripCause
+from hydrohil.shared.contract.messages import LinkStats, TripCause
 from hydrohil.shared.trips.formatting import lines, markdown
 from hydrohil.shared.trips.report import counters_of, newest_trip, stop, trip_report
 from hydrohil.shared.trips.tables import tables
@@ -82,13 +82,13 @@ def test_zero_is_the_first_sample_that_shows_every_code_at_zero():
 
 def test_the_tip_s_way_is_the_largest_distance_from_where_it_tripped():
     seen = signals()
-    table = seen["plant/truth"]
+    table = seen["plant/ground_truth"]
     first = table["number"].index(TRIP_NUMBER)
     here = [table[f"tip_m[{k}]"][first] for k in range(3)]
     far = max(math.dist(here, [table[f"tip_m[{k}]"][i] for k in range(3)]) for i in range(first, len(table["number"])))
     assert stop(seen, TRIP_NUMBER, 1.0)["tip_moved_m"] == pytest.approx(far)
     assert stop(seen, TRIP_NUMBER, 1.0)["tip_from"] == "the emulator's truth"
-    del seen["plant/truth"]
+    del seen["plant/ground_truth"]
     assert stop(seen, TRIP_NUMBER, 1.0)["tip_from"] == "the encoders"
     assert stop(seen, TRIP_NUMBER, 1.0)["tip_moved_m"] > 0.0
 
@@ -129,7 +129,7 @@ def test_a_trip_outside_a_trial_has_no_tick():
 
 
 def test_counters_are_those_of_each_receiver_without_zeros():
-    counted = counters_of({"plant": Reception(5, (COUNTS,))})
+    counted = counters_of({"plant": LinkStats(5, (COUNTS,))})
     assert counted == {"plant": {"controller/command": {"accepted": 900, "lost": 2, "link_faults": 1, "crc": 1}}}
     told = "\n".join(lines(report() | {"counters": counted}))
     assert "plant of controller/command: 2 lost, 1 link faults, 1 crc" in told

@@ -8,7 +8,7 @@ from hydrohil.shared.trips.formatting import lines, markdown
 from hydrohil.shared.trips.ring import AFTER_NS, KEPT_NS, PATIENCE_NS, TripRing
 from hydrohil.shared.trips.watcher import document_of
 from tests.support.recorder_trial import PERIOD_NS, trial
-from tests.support.trip_scene import GATE, SUPERVISOR, TRIP_NUMBER, TRIP_TICK, reception, tripping
+from tests.support.trip_scene import GATE, SUPERVISOR, TRIP_NUMBER, TRIP_TICK, link_stats, tripping
 
 AFTER = -(-AFTER_NS // PERIOD_NS)  # samples
 
@@ -122,15 +122,15 @@ def test_another_plant_hands_over_and_begins_anew():
 
 
 def test_the_newest_counters_of_each_receiver_go_with_it():
-    ring = fed([reception(3), reception(9), *tripping(SUPERVISOR)])
+    ring = fed([link_stats(3), link_stats(9), *tripping(SUPERVISOR)])
     (caught,) = ring.caught(0)
-    assert {sender: told.number for sender, told in caught.receptions.items()} == {"plant": 9}
-    assert caught.about is not None
+    assert {sender: told.number for sender, told in caught.link_statses.items()} == {"plant": 9}
+    assert caught.description is not None
 
 
 def changed(by_hand, number):
     event = ParameterEvent(number, number - 1030, by_hand, "controller.law", '"final"', '"pi"', 1)
-    return Received(0, "controller/changed", next(iter(tripping(SUPERVISOR))).header, event)
+    return Received(0, "controller/parameter_change", next(iter(tripping(SUPERVISOR))).header, event)
 
 
 def test_what_was_changed_by_hand_in_the_trial_belongs_to_its_trip_however_long_before():

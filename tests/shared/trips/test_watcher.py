@@ -5,7 +5,7 @@ from pathlib import Path
 from hydrohil.services.recorder.recorder import Recorder
 from hydrohil.services.recorder.rows import Rows
 from hydrohil.shared.trips.files import read, reports
-from tests.support.trip_scene import GATE, SUPERVISOR, TRIP_NUMBER, reception, tripping
+from tests.support.trip_scene import GATE, SUPERVISOR, TRIP_NUMBER, link_stats, tripping
 
 
 def rows_of(recorder: Recorder) -> list[Rows]:
@@ -18,7 +18,7 @@ def rows_of(recorder: Recorder) -> list[Rows]:
 
 def test_a_trip_is_reported_though_no_recording_is_open(tmp_path: Path):
     recorder = Recorder("bench", trips=tmp_path)
-    recorder.take([reception(3), *tripping(SUPERVISOR)])
+    recorder.take([link_stats(3), *tripping(SUPERVISOR)])
     recorder.tick(0)
     recorder.close()
     (file,) = reports(tmp_path)
