@@ -30,7 +30,7 @@ IMPURE = {
 LAYERS: tuple[tuple[str, ...], ...] = (
     ("shared",),
     ("services",),
-    ("claims",),
+    ("claims", "recording"),
     ("experiment",),
     ("thesis", "simulation", "pages"),
     ("cell", "linear", "tuning", "campaign", "explain"),
@@ -39,13 +39,8 @@ LAYERS: tuple[tuple[str, ...], ...] = (
     ("cli",),
 )
 LAYER_OF = {package: number for number, row in enumerate(LAYERS) for package in row}
-TAKE_SERVICES = {
-    "experiment",
-    "thesis",
-    "simulation",
-    "linear",
-    "explain",
-}  # the services' pure modules; `cli` starts their shells
+# Who takes the services' pure modules; `linear` linearises the plant's own equations, and `cli` starts the services' shells.
+TAKE_SERVICES = {"experiment", "thesis", "simulation", "linear", "explain"}
 SHELLS = {"main", "service"}
 SHARED_ORDER = ("units", "cache", "draws", "compiled", "contract", "transport", "host", "trips")  # lowest first
 
@@ -101,10 +96,10 @@ def test_only_the_bus_imports_the_transport():
     assert [name for name, path in SOURCES.items() if "zenoh" in roots(path)] == ["shared/transport/bus.py"]
 
 
-def test_only_the_recorder_and_who_opens_its_viewer_import_rerun():
+def test_only_who_writes_and_who_reads_recordings_imports_rerun():
     users = [name for name, path in SOURCES.items() if "rerun" in roots(path)]
     assert users
-    assert all(name.startswith("services/recorder/") for name in users)
+    assert all(name.startswith(("services/recorder/", "recording/")) for name in users)
 
 
 def package_of(name):
@@ -128,15 +123,15 @@ def test_a_service_imports_what_is_shared_and_itself(name):
     assert {found[:2] for found in ours(name) if found[0] != "shared"} <= {("services",), ("services", service)}
 
 
-def test_only_some_packages_take_the_services_pure_modules_and_only_the_command_line_their_shells():
+@pytest.mark.parametrize("package", sorted(set(LAYER_OF) - {"services", "shared"}))
+def test_only_some_packages_take_the_services_pure_modules_and_only_the_command_line_their_shells(package):
     for name in SOURCES:
-        package = package_of(name)
-        taken = {found for found in ours(name) if found[0] == "services" and len(found) > 2}
-        if package in ("services", "shared", ""):
+        if package_of(name) != package:
             continue
+        taken = {found for found in ours(name) if found[0] == "services" and len(found) > 2}
         shells = {found for found in taken if found[-1] in SHELLS}
         assert package == "cli" or not shells, name
-        assert package in TAKE_SERVICES or taken == shells, f"{name} takes {taken - shells}"
+        assert package in TAKE_SERVICES or taken == shells, f"{name} takes {taken - shells}: see experiment/sections.py"
 
 
 @pytest.mark.parametrize("name", sorted(name for name in SOURCES if name.startswith("shared/") and name != "shared/__init__.py"))

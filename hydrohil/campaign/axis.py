@@ -13,7 +13,7 @@ from annotated_types import Ge, Gt, MinLen
 from pydantic import Field
 
 from hydrohil.campaign.formula import parsed
-from hydrohil.services.plant.noise import SPACING, uniforms
+from hydrohil.shared.draws import SPACING, uniforms
 
 Scalar = bool | int | float | str
 

@@ -7,7 +7,7 @@ import numpy as np
 from hydrohil.campaign.axis import Axis
 from hydrohil.campaign.campaign import Campaign, Picture, Plan
 from hydrohil.claims.trace import Reals
-from hydrohil.services.controller.limit_cycle import LEAST, MOST, least_stable_n_per_m
+from hydrohil.experiment.criteria import LEAST, MOST, least_stable_n_per_m
 
 TARGET, ENVIRONMENT = "controller.impedance.stiffness_n_per_m", "plant.environment.stiffness_n_per_m"
 POINTS = 200

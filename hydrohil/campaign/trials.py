@@ -17,9 +17,9 @@ from hydrohil.claims.claims import problems
 from hydrohil.experiment.errors import ExperimentError
 from hydrohil.experiment.experiment import Experiment, from_plain, to_plain
 from hydrohil.experiment.overrides import assign
-from hydrohil.services.plant.noise import uniforms
 from hydrohil.shared.contract.assignments import written
 from hydrohil.shared.contract.faults import problem
+from hydrohil.shared.draws import uniforms
 
 CORNERS = 256  # at most so many combinations of extreme values are validated before anything runs
 

@@ -11,7 +11,7 @@ from hydrohil.cell.process_faults import ProcessFaults
 from hydrohil.cell.processes import LOOP, CellError, TrippedError, UnqualifiedError, ask, statuses
 from hydrohil.claims.trace import Trace
 from hydrohil.experiment.experiment import Experiment, to_plain
-from hydrohil.services.plant.config import tare_ticks
+from hydrohil.experiment.sections import tare_ticks
 from hydrohil.shared.contract.codec import Received, Rejected
 from hydrohil.shared.contract.envelope import seal
 from hydrohil.shared.contract.faults import of_group

@@ -9,7 +9,7 @@ from rich.console import Console
 from rich.table import Table
 
 from hydrohil.experiment.experiment import Experiment, to_toml
-from hydrohil.services.controller.params import LinkGains
+from hydrohil.experiment.sections import LinkGains
 from hydrohil.shared.compiled.kernel import source_version
 from hydrohil.shared.host.process import EXIT_CLAIM, EXIT_OK
 from hydrohil.tuning.bench import Criteria, Step, rad_per_unit, unit

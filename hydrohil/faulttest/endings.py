@@ -14,7 +14,7 @@ from hydrohil.faulttest.motions import SWING
 from hydrohil.faulttest.observer import Observer, moved, zero_at
 from hydrohil.faulttest.rig import Rig
 from hydrohil.faulttest.trial import Trial
-from hydrohil.services.recorder.reading import chunks_of
+from hydrohil.recording.reading import chunks_of
 from hydrohil.shared.contract.messages import NO_TRIAL
 from hydrohil.shared.host.child import environment, python_module
 from hydrohil.shared.units import NS_PER_S

@@ -4,7 +4,9 @@ from random import Random
 
 import numpy as np
 
+from hydrohil.experiment.criteria import SMOOTHING_S
 from hydrohil.experiment.experiment import Experiment
+from hydrohil.experiment.sections import ControllerConfig, Environment, GateLimits, Segment
 from hydrohil.faulttest.motions import BIAS_S, SWING
 from hydrohil.faulttest.observer import since, zero_at
 from hydrohil.faulttest.operators import hop_s
@@ -12,10 +14,6 @@ from hydrohil.faulttest.processes import WATCHED_S, confirmed, judged, period_s
 from hydrohil.faulttest.rig import Rig
 from hydrohil.faulttest.simulations import Bools, crossed, ended
 from hydrohil.faulttest.trial import Trial
-from hydrohil.services.controller.config import ControllerConfig, Segment
-from hydrohil.services.plant.config import GateLimits
-from hydrohil.services.plant.params import Environment
-from hydrohil.services.supervisor.observe_motion import SMOOTHING_S
 from hydrohil.shared.contract.converters import N_PER_FORCE_COUNT
 from hydrohil.shared.contract.messages import NO_TRIAL, Mode, TripCause
 from hydrohil.simulation.loop import Columns

@@ -5,12 +5,12 @@ from random import Random
 
 from hydrohil.cell.processes import CellError
 from hydrohil.experiment.experiment import Experiment
+from hydrohil.experiment.sections import latch_substeps
 from hydrohil.faulttest.motions import SWING, motion
 from hydrohil.faulttest.observer import Heard, safe
 from hydrohil.faulttest.processes import WATCHED_S, confirmed, judged
 from hydrohil.faulttest.rig import Rig
 from hydrohil.faulttest.trial import Trial
-from hydrohil.services.plant.config import latch_substeps
 from hydrohil.shared.contract.codec import Received
 from hydrohil.shared.contract.faults import Fault, ticks_of
 from hydrohil.shared.contract.messages import GateCause, Mode, TripCause

@@ -3,8 +3,7 @@
 import math
 
 from hydrohil.experiment.experiment import Experiment
-from hydrohil.services.controller.config import ControllerConfig, ImpedanceConfig, Segment
-from hydrohil.services.plant.params import Environment
+from hydrohil.experiment.sections import ControllerConfig, Environment, ImpedanceConfig, Segment
 from hydrohil.thesis.chapter5 import PRELOAD_N, STIFF_ESTIMATE_N_PER_M, STIFF_N_PER_M, plate, sampled
 
 LONG_S = 60.0  # no trial of the battery reaches its end

@@ -10,17 +10,15 @@ from typing import NamedTuple
 import numpy as np
 
 from hydrohil.cell.processes import CellError
+from hydrohil.experiment.criteria import RAMP_S
 from hydrohil.experiment.experiment import Experiment
+from hydrohil.experiment.sections import ScheduledChange, scheduled
 from hydrohil.faulttest.motions import PRESS, SWING
 from hydrohil.faulttest.observer import Heard
 from hydrohil.faulttest.observer import moved as moved_since
 from hydrohil.faulttest.rig import Rig
 from hydrohil.faulttest.simulations import PLAYED_S, at, ended, moved
 from hydrohil.faulttest.trial import Trial
-from hydrohil.services.controller.config import ScheduledChange
-from hydrohil.services.controller.parameter_change import RAMP_S
-from hydrohil.services.controller.parameter_schedule import scheduled
-from hydrohil.services.supervisor.modes import RUNNING
 from hydrohil.shared.contract.messages import Mode
 from hydrohil.shared.units import NS_PER_S, SUBSTEP_NS
 from hydrohil.simulation.loop import Columns
@@ -80,7 +78,7 @@ def _played(motion: Experiment, changes: tuple[ScheduledChange, ...], seed: int)
     outcome, period_ns = play_local(experiment, seed), experiment.plant.sample_period_substeps * SUBSTEP_NS
     rows, asked = outcome.rows, [change.set for change in changes]
     told = _asked_words(asked)
-    if outcome.supervisor.mode != RUNNING:
+    if outcome.supervisor.mode != Mode.RUNNING:
         return Trial(False, f"{told}: {ended(outcome).words}")
     waiting = scheduled(experiment.controller, changes, period_ns)
     firsts = [tick - outcome.first_tick for tick, _ in waiting]

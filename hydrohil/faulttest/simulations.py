@@ -8,12 +8,11 @@ from typing import NamedTuple
 import numpy as np
 import numpy.typing as npt
 
+from hydrohil.experiment.criteria import MOVES_DOWN_A, MOVES_UP_A, MOVES_WITHIN_NS
 from hydrohil.experiment.experiment import Experiment
+from hydrohil.experiment.sections import GateLimits
 from hydrohil.faulttest.motions import PRESS, SWING
 from hydrohil.faulttest.trial import Trial
-from hydrohil.services.plant.config import GateLimits
-from hydrohil.services.plant.mechanism import posture, tip
-from hydrohil.services.supervisor.machine import MOVES_DOWN_A, MOVES_UP_A, MOVES_WITHIN_NS
 from hydrohil.services.supervisor.rules import trip_words
 from hydrohil.shared.contract.converters import ZERO_CODE, code_to_current
 from hydrohil.shared.contract.faults import Fault, ticks_of
@@ -21,6 +20,7 @@ from hydrohil.shared.contract.messages import GateCause, Mode, TripCause
 from hydrohil.shared.units import NS_PER_S, SUBSTEP_S
 from hydrohil.simulation.loop import Columns
 from hydrohil.simulation.rollout import Outcome, play_local
+from hydrohil.simulation.tips import tips_m
 
 PLAYED_S = 6.0
 FIRST_S, LAST_S = 1.5, 3.5  # the fault begins somewhere between
@@ -121,9 +121,7 @@ def timed(experiment: Experiment, outcome: Outcome, row: int, bound_s: float) ->
 
 def moved(experiment: Experiment, rows: Columns, row: int, end: int) -> tuple[float, float]:
     """Largest way of the true tip (mm) and change of the true contact force (N) between two rows."""
-    machine = experiment.plant.machine
-    true = rows.true_q_rad[row : end + 1]
-    tips = [tip(posture(machine, (float(q[0]), float(q[1]), float(q[2])))) for q in true]
+    tips = tips_m(experiment.plant.machine, rows.true_q_rad[row : end + 1])
     force = rows.contact_force_n[row : end + 1]
     return max(1000.0 * math.dist(place, tips[0]) for place in tips), float(np.max(np.abs(force - force[0])))
 

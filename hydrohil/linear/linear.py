@@ -8,12 +8,11 @@ import math
 from typing import NamedTuple
 
 from hydrohil.experiment.experiment import Experiment
-from hydrohil.services.controller.config import ControllerConfig, impedance_params
-from hydrohil.services.controller.params import LinkGains
-from hydrohil.services.plant.config import PlantConfig, latch_substeps
+from hydrohil.experiment.sections import ControllerConfig, LinkGains, MachineParams, PlantConfig, latch_substeps
+from hydrohil.services.controller.config import impedance_params
 from hydrohil.services.plant.hydraulics import port_area, signed_root
 from hydrohil.services.plant.mechanism import inertias, posture
-from hydrohil.services.plant.params import LinkParams, MachineParams
+from hydrohil.services.plant.params import LinkParams
 from hydrohil.shared.units import A_PER_MA, SUBSTEP_S
 
 DOWN_UP, OUT_IN = 1, 2

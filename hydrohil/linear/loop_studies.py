@@ -9,9 +9,9 @@ import numpy as np
 from hydrohil.claims.signals import rms
 from hydrohil.claims.study import Curve, Panel, Studied
 from hydrohil.claims.trace import Reals, Trace
+from hydrohil.experiment.sections import DOWN_UP_GAINS
 from hydrohil.linear.closed_loop import closed_loop, loop_margins, poles
 from hydrohil.linear.linear import LinearModel, OperatingPoint, Target, linear_model
-from hydrohil.services.controller.params import DOWN_UP_GAINS
 from hydrohil.shared.units import A_PER_MA, A_PER_RAD_PER_MA_PER_DEG
 from hydrohil.thesis.explicit_force import MASS_KG, NET_DAMPING
 from hydrohil.thesis.library import find

@@ -9,8 +9,7 @@ from collections.abc import Callable
 from typing import NamedTuple
 
 from hydrohil.qualification.spread import Spread
-from hydrohil.services.supervisor.params import missed_limit
-from hydrohil.shared.contract.deadline_window import WINDOW, quality
+from hydrohil.shared.contract.deadline_window import WINDOW, missed_limit, quality
 from hydrohil.shared.host.lease import MAX_LEASE_NS, MIN_LEASE_NS, lease_wanted_ns
 
 # A tenth of what the supervisor's rule on quality is laid out to bear: a link that loses 1 % each way. A late sample holds the

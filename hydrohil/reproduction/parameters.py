@@ -4,7 +4,7 @@ import json
 from typing import Any
 
 from hydrohil.experiment.experiment import Experiment, to_plain
-from hydrohil.services.controller.config import Segment
+from hydrohil.experiment.sections import Segment
 
 SECTIONS = ("plant", "controller", "supervisor")
 _DEFAULT = Experiment("default", "default", "", "", 1.0)

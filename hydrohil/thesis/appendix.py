@@ -6,8 +6,7 @@ The text gives neither object nor levels. Chosen once here: an object of 500 kN/
 from hydrohil.claims.claims import Claim
 from hydrohil.claims.pairs import PairClaim
 from hydrohil.experiment.experiment import Experiment
-from hydrohil.services.controller.config import ControllerConfig, ImpedanceConfig, Segment
-from hydrohil.services.plant.params import UNIMATE, Environment
+from hydrohil.experiment.sections import UNIMATE, ControllerConfig, Environment, ImpedanceConfig, Segment
 from hydrohil.thesis.chapter5 import TIP_Z_M, sampled
 
 CHAIR_N_PER_M = 500e3

@@ -10,9 +10,7 @@ chosen among some hundred settings on seeds 0 to 39, so what these seeds show is
 from hydrohil.claims.claims import Claim
 from hydrohil.claims.pairs import PairClaim
 from hydrohil.experiment.experiment import Experiment
-from hydrohil.services.controller.config import AdaptationConfig, ControllerConfig, ImpedanceConfig, Reference
-from hydrohil.services.plant.config import PlantConfig
-from hydrohil.services.plant.params import Environment
+from hydrohil.experiment.sections import AdaptationConfig, ControllerConfig, Environment, ImpedanceConfig, PlantConfig, Reference
 from hydrohil.thesis import claims_impedance
 from hydrohil.thesis.chapter5 import (
     CIRCLE,

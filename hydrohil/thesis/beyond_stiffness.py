@@ -9,8 +9,7 @@ soft target cycles with every seed: a link that by chance lands inside the dead 
 from hydrohil.claims.claims import Claim
 from hydrohil.claims.pairs import PairClaim
 from hydrohil.experiment.experiment import Experiment
-from hydrohil.services.controller.config import ControllerConfig, ImpedanceConfig, Segment
-from hydrohil.services.plant.params import UNIMATE
+from hydrohil.experiment.sections import UNIMATE, ControllerConfig, ImpedanceConfig, Segment
 from hydrohil.thesis.chapter5 import PRELOAD_N, SOFT_ESTIMATE_N_PER_M, SOFT_N_PER_M, STIFF_ESTIMATE_N_PER_M, plate
 
 SOFT_TARGET_N_PER_M, STIFF_TARGET_N_PER_M = 1500.0, 15e3

@@ -9,8 +9,7 @@ from typing import Literal, NamedTuple
 
 from hydrohil.claims.pairs import PairClaim
 from hydrohil.experiment.experiment import Experiment
-from hydrohil.services.controller.config import ControllerConfig, Segment
-from hydrohil.services.plant.config import PlantConfig
+from hydrohil.experiment.sections import ControllerConfig, PlantConfig, Segment
 from hydrohil.shared.units import RAD_PER_DEG
 from hydrohil.thesis import claims4
 

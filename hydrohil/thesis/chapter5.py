@@ -9,9 +9,7 @@ import math
 
 from hydrohil.claims.pairs import PairClaim
 from hydrohil.experiment.experiment import Experiment
-from hydrohil.services.controller.config import ControllerConfig, ImpedanceConfig, Segment
-from hydrohil.services.plant.config import PlantConfig
-from hydrohil.services.plant.params import UNIMATE, Environment
+from hydrohil.experiment.sections import UNIMATE, ControllerConfig, Environment, ImpedanceConfig, PlantConfig, Segment
 from hydrohil.thesis import claims5
 
 JITTER_SUBSTEPS = 10  # 4.5 ms on average, "in (4, 5]": the program waited a whole number of milliseconds

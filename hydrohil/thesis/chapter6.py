@@ -14,8 +14,7 @@ than c/m, 35 rad/s there. The mass is therefore ten times as large and xi_net 1,
 from typing import Literal
 
 from hydrohil.experiment.experiment import Experiment
-from hydrohil.services.controller.config import ControllerConfig, ImpedanceConfig, Segment
-from hydrohil.services.plant.params import Environment
+from hydrohil.experiment.sections import ControllerConfig, Environment, ImpedanceConfig, Segment
 from hydrohil.thesis import claims6, claims7
 from hydrohil.thesis.chapter5 import PRELOAD_N, SOFT_ESTIMATE_N_PER_M, SOFT_N_PER_M, plate, sampled
 

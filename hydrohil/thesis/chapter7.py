@@ -7,7 +7,7 @@ with the force almost right leaves the dead zone at (f - f_d) / c, which may tak
 
 from hydrohil.claims.pairs import PairClaim
 from hydrohil.experiment.experiment import Experiment
-from hydrohil.services.controller.config import ControllerConfig, ImpedanceConfig, Segment
+from hydrohil.experiment.sections import ControllerConfig, ImpedanceConfig, Segment
 from hydrohil.thesis import claims7
 from hydrohil.thesis.chapter5 import FORCE_STEP_N, PRELOAD_N, SOFT_ESTIMATE_N_PER_M, SOFT_N_PER_M, STEP_S, plate
 

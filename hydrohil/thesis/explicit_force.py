@@ -12,7 +12,7 @@ import numpy as np
 
 from hydrohil.claims.study import Curve, Panel, Studied
 from hydrohil.claims.trace import Reals, Trace
-from hydrohil.services.plant.params import UNIMATE
+from hydrohil.experiment.sections import UNIMATE
 from hydrohil.thesis.readings import TENTH, about, below, printed
 
 MASS_KG, NET_DAMPING = 500.0, 3.0  # Figure 6-4

@@ -6,7 +6,7 @@ import numpy as np
 
 from hydrohil.claims.study import Curve, Panel, Studied
 from hydrohil.claims.trace import Trace
-from hydrohil.services.plant.params import UNIMATE
+from hydrohil.experiment.sections import UNIMATE
 from hydrohil.thesis.readings import printed
 
 M_PER_IN = 0.0254

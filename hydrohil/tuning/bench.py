@@ -5,7 +5,7 @@ from typing import NamedTuple
 
 from hydrohil.claims.trace import Trace
 from hydrohil.experiment.experiment import Experiment
-from hydrohil.services.controller.params import LinkGains
+from hydrohil.experiment.sections import LinkGains
 from hydrohil.shared.units import A_PER_MA, A_PER_RAD_PER_MA_PER_DEG, RAD_PER_DEG
 from hydrohil.tuning import measure
 from hydrohil.tuning.measure import Ringing, lasting, whole

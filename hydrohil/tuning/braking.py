@@ -5,7 +5,7 @@ from typing import NamedTuple
 
 import numpy as np
 
-from hydrohil.services.controller.params import LinkGains
+from hydrohil.experiment.sections import LinkGains
 from hydrohil.tuning import measure
 from hydrohil.tuning.bench import Bench, Step, a_per_printed, play, rad_per_unit, unit
 from hydrohil.tuning.patterns import pattern

@@ -6,9 +6,7 @@ from typing import NamedTuple
 
 import numpy as np
 
-from hydrohil.services.controller.params import UNIMATE_GAINS, LinkGains
-from hydrohil.services.plant.config import PlantConfig
-from hydrohil.services.plant.params import UNIMATE
+from hydrohil.experiment.sections import UNIMATE, UNIMATE_GAINS, LinkGains, PlantConfig
 from hydrohil.shared.units import A_PER_MA
 from hydrohil.tuning.bench import Criteria, Step, a_per_printed, rad_per_unit, unit
 from hydrohil.tuning.procedure import LinkTuning

@@ -5,7 +5,7 @@ import math
 import numpy as np
 
 from hydrohil.claims.signals import LINKS, count_size
-from hydrohil.services.controller.params import LinkGains
+from hydrohil.experiment.sections import LinkGains
 from hydrohil.shared.contract.converters import COUNTS_PER_A
 from hydrohil.tuning import measure
 from hydrohil.tuning.bench import Bench, Step, a_per_printed, play, rad_per_unit, rings_on, unit, worst_ringing, yes

@@ -6,7 +6,7 @@ from typing import NamedTuple
 import numpy as np
 
 from hydrohil.claims.trace import Trace
-from hydrohil.services.controller.params import LinkGains
+from hydrohil.experiment.sections import LinkGains
 from hydrohil.tuning import measure
 from hydrohil.tuning.bench import Bench, Criteria, Step, a_per_printed, play, rad_per_unit, rings_on, unit, worst_ringing, yes
 from hydrohil.tuning.measure import Ringing

@@ -4,9 +4,7 @@ from typing import Literal, NamedTuple
 
 from hydrohil.claims.signals import LINKS
 from hydrohil.experiment.experiment import Experiment
-from hydrohil.services.controller.config import AdaptationConfig, ImpedanceConfig, Segment
-from hydrohil.services.controller.params import LinkGains
-from hydrohil.services.plant.params import Environment
+from hydrohil.experiment.sections import AdaptationConfig, Environment, ImpedanceConfig, LinkGains, Segment
 from hydrohil.shared.units import RAD_PER_DEG
 from hydrohil.thesis.chapter4 import TRAJECTORIES, Trajectory
 from hydrohil.thesis.chapter4 import Pattern as PatternName

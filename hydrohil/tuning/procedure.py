@@ -7,7 +7,7 @@ from typing import NamedTuple
 import numpy as np
 
 from hydrohil.experiment.experiment import checked
-from hydrohil.services.controller.params import LinkGains
+from hydrohil.experiment.sections import LinkGains
 from hydrohil.thesis.chapter4 import PATTERNS
 from hydrohil.thesis.chapter4 import Pattern as PatternName
 from hydrohil.tuning import measure

@@ -8,7 +8,7 @@ from typing import NamedTuple
 
 import numpy as np
 
-from hydrohil.services.controller.params import LinkGains
+from hydrohil.experiment.sections import LinkGains
 from hydrohil.shared.units import A_PER_MA
 from hydrohil.tuning import measure
 from hydrohil.tuning.bench import Bench, Step, play, rad_per_unit, unit

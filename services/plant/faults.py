@@ -7,9 +7,9 @@ one left. What is random is a function of (seed, channel, tick).
 import math
 from typing import Any, NamedTuple
 
-from hydrohil.services.plant.noise import uniforms
 from hydrohil.shared.compiled.kernel import kernel
 from hydrohil.shared.contract.faults import CONVERTERS, ENCODERS, FORCE, VALVES, Fault, ticks_of
+from hydrohil.shared.draws import uniforms
 from hydrohil.shared.units import NS_PER_S
 
 STUCK, GARBAGE, DROPOUT, OFFSET, DRIFT, GAIN, NOISE, WRAP, SPOOL, LEAK, CONVERTER, SUPPLY = range(12)

@@ -17,11 +17,11 @@ from hydrohil.services.supervisor.observe_motion import Codes
 from hydrohil.services.supervisor.rule import Limits
 from hydrohil.services.supervisor.step import SupervisorParams
 from hydrohil.shared.contract.converters import N_PER_FORCE_COUNT, calibration
+from hydrohil.shared.contract.deadline_window import missed_limit
 from hydrohil.shared.contract.messages import PlantDescription
 from hydrohil.shared.transport.protection import FAULTS_PER_S
 from hydrohil.shared.units import NS_PER_S
 
-RANDOM_MISSES = 16  # of 100: a link that loses 1 % each way has more in 7e-9 of all windows, one that loses 20 % in nearly all
 _LEAD_S, _ARMED_S, _RECOVER_S = 0.25, 60.0, 0.3
 
 
@@ -60,11 +60,6 @@ def limits(config: SupervisorConfig, description: PlantDescription) -> Limits:
         FAULTS_PER_S,
         missed_limit(lease_samples),
     )
-
-
-def missed_limit(lease_samples: int) -> int:
-    """Samples of the last 100 that may be not in time: one outage as long as the lease bears, and the misses of a lossy link."""
-    return lease_samples + 1 + RANDOM_MISSES
 
 
 def observing(config: SupervisorConfig, description: PlantDescription, tare_ticks: int) -> Observing:

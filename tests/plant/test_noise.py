@@ -3,7 +3,8 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from hydrohil.services.plant.noise import FORCE_CHANNEL, JITTER_CHANNEL, force_noise_n, sample_intervals, uniforms
+from hydrohil.services.plant.noise import FORCE_CHANNEL, JITTER_CHANNEL, force_noise_n, sample_intervals
+from hydrohil.shared.draws import uniforms
 
 
 @given(st.integers(0, 2**64 - 1), st.integers(-(2**31), 2**31), st.integers(0, 40), st.integers(0, 40))

@@ -6,10 +6,10 @@ from hypothesis import strategies as st
 from scipy import stats
 
 from hydrohil.services.supervisor.machine import BRAKES, FULL_SPEED
-from hydrohil.services.supervisor.params import RANDOM_MISSES
 from hydrohil.services.supervisor.rule import GaugeObservation, Limits, MotionObservation, Observed, TransportObservation
 from hydrohil.services.supervisor.rules import RULES, WORDS, first_broken, fold, trip_words
 from hydrohil.shared.compiled.kernel import compiled
+from hydrohil.shared.contract.deadline_window import RANDOM_MISSES
 from hydrohil.shared.contract.messages import GateState, TripCause
 from tests.support.supervisor_scene import CONFIG, FINE, LIMITS, changed
 

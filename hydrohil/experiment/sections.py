@@ -1,0 +1,39 @@
+"""The sections of an experiment as the services define them: types, defaults, and what follows from a section alone.
+
+Packages above take them from here, so that only this package knows in which service's file a section stands.
+"""
+
+from hydrohil.services.controller.config import (
+    AdaptationConfig,
+    ControllerConfig,
+    ImpedanceConfig,
+    Reference,
+    ScheduledChange,
+    Segment,
+)
+from hydrohil.services.controller.parameter_schedule import scheduled
+from hydrohil.services.controller.params import DOWN_UP_GAINS, UNIMATE_GAINS, LinkGains
+from hydrohil.services.plant.config import GateLimits, PlantConfig, latch_substeps, tare_ticks
+from hydrohil.services.plant.params import UNIMATE, Environment, MachineParams
+from hydrohil.services.supervisor.config import SupervisorConfig
+
+__all__ = [
+    "DOWN_UP_GAINS",
+    "UNIMATE",
+    "UNIMATE_GAINS",
+    "AdaptationConfig",
+    "ControllerConfig",
+    "Environment",
+    "GateLimits",
+    "ImpedanceConfig",
+    "LinkGains",
+    "MachineParams",
+    "PlantConfig",
+    "Reference",
+    "ScheduledChange",
+    "Segment",
+    "SupervisorConfig",
+    "latch_substeps",
+    "scheduled",
+    "tare_ticks",
+]
