@@ -42,7 +42,18 @@ LAYER_OF = {package: number for number, row in enumerate(LAYERS) for package in 
 # Who takes the services' pure modules; `linear` linearises the plant's own equations, and `cli` starts the services' shells.
 TAKE_SERVICES = {"experiment", "thesis", "simulation", "linear", "explain"}
 SHELLS = {"main", "service"}
-SHARED_ORDER = ("units", "cache", "draws", "compiled", "contract", "transport", "host", "trips")  # lowest first
+SHARED_ORDER = (
+    "errors",
+    "exit_status",
+    "units",
+    "cache",
+    "draws",
+    "compiled",
+    "contract",
+    "transport",
+    "host",
+    "trips",
+)  # lowest first
 
 
 @cache

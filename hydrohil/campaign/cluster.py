@@ -9,6 +9,8 @@ from typing import Any
 import dask
 from distributed import Client, LocalCluster
 
+from hydrohil.shared.errors import HydrohilError
+
 _CONNECT_S, _WORKERS_S = 10.0, 30.0
 _QUIET = {  # what a scheduler and workers do beside the work: sampled stacks, ticks, a page
     "distributed.worker.profile.enabled": False,
@@ -21,7 +23,7 @@ _QUIET = {  # what a scheduler and workers do beside the work: sampled stacks, t
 }
 
 
-class ClusterError(Exception):
+class ClusterError(HydrohilError):
     """There is nobody to compute, or they were lost; one line that says what to do."""
 
 

@@ -20,6 +20,7 @@ from hydrohil.campaign.campaign import Plan
 from hydrohil.campaign.table import identity, known_identity, schema, table
 from hydrohil.campaign.work import Row
 from hydrohil.shared.compiled.kernel import source_version
+from hydrohil.shared.errors import HydrohilError
 
 _WORDS = {
     "campaign": "another campaign: its experiment, parameters, metrics or repeats have changed",
@@ -31,7 +32,7 @@ PARTS = "*.arrow"
 AGAIN = "name another folder with --out, or start anew with --fresh"
 
 
-class StoreError(Exception):
+class StoreError(HydrohilError):
     """The folder cannot take this campaign; one line that says why and what to do."""
 
 

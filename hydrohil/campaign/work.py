@@ -14,6 +14,7 @@ from hydrohil.experiment.experiment import Experiment
 from hydrohil.services.supervisor.rules import trip_words
 from hydrohil.shared.compiled.kernel import source_version
 from hydrohil.shared.contract.messages import Mode, TripCause
+from hydrohil.shared.errors import HydrohilError
 from hydrohil.shared.units import NS_PER_S
 from hydrohil.simulation.rollout import play_local, trace_of
 
@@ -30,7 +31,7 @@ class Chunk(NamedTuple):
     numbers: tuple[int, ...]
 
 
-class OtherSourcesError(Exception):
+class OtherSourcesError(HydrohilError):
     """The worker's copy of this project is another version."""
 
 

@@ -10,6 +10,7 @@ from hydrohil.services.supervisor.rules import trip_words
 from hydrohil.shared.contract.codec import Received
 from hydrohil.shared.contract.messages import NO_TRIAL, GateCause, GateState, Mode, TripCause
 from hydrohil.shared.contract.topics import TOPICS
+from hydrohil.shared.errors import HydrohilError
 from hydrohil.shared.transport.bus import Bus
 from hydrohil.shared.transport.inbox import Inbox
 from hydrohil.shared.trips.events import change_words
@@ -54,7 +55,7 @@ CUTS = {
 }
 
 
-class GapError(Exception):
+class GapError(HydrohilError):
     """A tick is missing; without it there is no verdict."""
 
 

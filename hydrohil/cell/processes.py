@@ -14,6 +14,7 @@ from typing import Any, NamedTuple
 from hydrohil.shared import cache
 from hydrohil.shared.contract.messages import Answer
 from hydrohil.shared.contract.topics import SERVICES
+from hydrohil.shared.errors import HydrohilError
 from hydrohil.shared.host.child import environment, python_module
 from hydrohil.shared.host.process import draw_number
 from hydrohil.shared.transport.bus import Bus, BusError
@@ -25,7 +26,7 @@ _POLL_S = 0.05
 _READY_S = 60.0  # the first start after a change compiles
 
 
-class CellError(Exception):
+class CellError(HydrohilError):
     """The cell is not what the command needs; the message says what to do."""
 
 

@@ -8,7 +8,7 @@ import typer
 
 from hydrohil.cli.experiment_commands import experiment_of
 from hydrohil.cli.options import AsJson, Settings, app, console, fail, make_folders
-from hydrohil.shared.host.process import EXIT_USAGE
+from hydrohil.shared.exit_status import EXIT_USAGE
 from hydrohil.shared.units import A_PER_MA
 
 _SHOWN = (0.01, 30.0)  # Hz, of the Bode plots

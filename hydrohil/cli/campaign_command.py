@@ -11,7 +11,7 @@ from typing import TYPE_CHECKING, Annotated, Any
 import typer
 
 from hydrohil.cli.options import app, console, fail, make_folders, writing
-from hydrohil.shared.host.process import EXIT_TRANSPORT, EXIT_USAGE
+from hydrohil.shared.exit_status import EXIT_TRANSPORT, EXIT_USAGE
 
 if TYPE_CHECKING:
     import pyarrow as pa

@@ -9,7 +9,7 @@ import typer
 from hydrohil.cli.options import AsJson, CellName, Hosts, Port, Router, app, console, fail, place_of, service_options
 from hydrohil.shared.contract.messages import GateState
 from hydrohil.shared.contract.topics import SERVICES
-from hydrohil.shared.host.process import EXIT_TRANSPORT, EXIT_TRIPPED, EXIT_USAGE
+from hydrohil.shared.exit_status import EXIT_TRANSPORT, EXIT_TRIPPED, EXIT_USAGE
 from hydrohil.shared.transport.bus import DEFAULT_PORT
 
 if TYPE_CHECKING:

@@ -26,7 +26,7 @@ from hydrohil.cli.options import (
     service_options,
     writing,
 )
-from hydrohil.shared.host.process import EXIT_TRANSPORT, EXIT_TRIPPED, EXIT_USAGE
+from hydrohil.shared.exit_status import EXIT_TRANSPORT, EXIT_TRIPPED, EXIT_USAGE
 from hydrohil.shared.transport.bus import DEFAULT_PORT
 
 _RUNS = Path("runs")

@@ -9,7 +9,7 @@ from typing import Annotated, Any
 import typer
 
 from hydrohil.cli.options import AsJson, app, console, errors, fail
-from hydrohil.shared.host.process import EXIT_USAGE
+from hydrohil.shared.exit_status import EXIT_USAGE
 
 _GATE = "gate."
 _HELP = """  arm start stop estop reset recover release   the operator's events; an empty line is a sample without one

@@ -10,7 +10,7 @@ import typer
 
 from hydrohil.cli.options import CellName, Port, app, console, fail, make_folders, service_options, writing
 from hydrohil.cli.reproduce_command import write_whole
-from hydrohil.shared.host.process import EXIT_USAGE
+from hydrohil.shared.exit_status import EXIT_USAGE
 
 if TYPE_CHECKING:  # the page's libraries load when it is made
     from hydrohil.faulttest.report import Report

@@ -8,7 +8,7 @@ import typer
 from hydrohil.cli.cell_commands import await_links
 from hydrohil.cli.options import AsJson, CellName, Hosts, Port, Router, app, console, fail, place_of
 from hydrohil.shared.contract.faults import ROWS, Fault, value_missing
-from hydrohil.shared.host.process import EXIT_TRANSPORT, EXIT_USAGE
+from hydrohil.shared.exit_status import EXIT_TRANSPORT, EXIT_USAGE
 from hydrohil.shared.transport.bus import DEFAULT_PORT
 
 if TYPE_CHECKING:

@@ -10,7 +10,7 @@ from typing import TYPE_CHECKING, Annotated
 import typer
 from rich.console import Console
 
-from hydrohil.shared.host.process import EXIT_USAGE
+from hydrohil.shared.exit_status import EXIT_USAGE
 from hydrohil.shared.transport.endpoints import network
 
 if TYPE_CHECKING:

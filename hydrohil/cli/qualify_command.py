@@ -10,7 +10,7 @@ import typer
 
 from hydrohil.cli.options import CellName, Port, app, console, fail, make_folders, writing
 from hydrohil.cli.reproduce_command import write_whole
-from hydrohil.shared.host.process import EXIT_TRANSPORT, EXIT_USAGE
+from hydrohil.shared.exit_status import EXIT_TRANSPORT, EXIT_USAGE
 from hydrohil.shared.host.qualified import hertz, record_file, this_host, words
 from hydrohil.shared.units import NS_PER_S, SUBSTEP_NS
 
@@ -48,7 +48,8 @@ def qualify(
     Wake-ups, the machine's own limit, a bare ping-pong, then the full loop in a private cell. From then on a cell on this host
     does not arm above the qualified rate on the real clock, unless told `--unqualified`.
 
-    Exit status: 0 qualified, 1 no rate that was tried is qualified, 2 usage, 5 no cell comes up, 130 interrupted (nothing is recorded).
+    Exit status: 0 qualified, 1 no rate that was tried is qualified, 2 usage, 5 no cell comes up,
+    130 interrupted (nothing is recorded).
 
     Examples: `hydrohil qualify`, `hydrohil qualify --rate-hz 500 --seconds 60`, `hydrohil qualify --quick --json runs/host.json`
     """

@@ -12,7 +12,7 @@ from hydrohil.claims.claims import Verdict, band, quantity
 from hydrohil.experiment.experiment import Experiment
 from hydrohil.shared.compiled.kernel import source_version
 from hydrohil.shared.contract.faults import words
-from hydrohil.shared.host.process import EXIT_CLAIM, EXIT_OK, EXIT_TRANSPORT, EXIT_TRIPPED
+from hydrohil.shared.exit_status import EXIT_CLAIM, EXIT_OK, EXIT_TRANSPORT, EXIT_TRIPPED
 from hydrohil.shared.host.qualified import of_plain
 from hydrohil.shared.trips import formatting as trip_words
 from hydrohil.shared.trips.report import Document

@@ -22,7 +22,7 @@ from hydrohil.cli.options import (
     service_options,
     writing,
 )
-from hydrohil.shared.host.process import EXIT_TRANSPORT, EXIT_TRIPPED, EXIT_USAGE
+from hydrohil.shared.exit_status import EXIT_TRANSPORT, EXIT_TRIPPED, EXIT_USAGE
 from hydrohil.shared.transport.bus import DEFAULT_PORT
 
 if TYPE_CHECKING:  # the page's libraries load when it is made

@@ -7,7 +7,7 @@ import typer
 
 from hydrohil.cli.cell_commands import await_links
 from hydrohil.cli.options import AsJson, CellName, Port, app, console, fail
-from hydrohil.shared.host.process import EXIT_TRANSPORT, EXIT_USAGE
+from hydrohil.shared.exit_status import EXIT_TRANSPORT, EXIT_USAGE
 from hydrohil.shared.transport.bus import DEFAULT_PORT, Bus
 
 _ANSWER_S = 10.0  # a stiffness is examined between the samples, along the whole reference

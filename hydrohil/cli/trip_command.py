@@ -8,7 +8,7 @@ from typing import Annotated, Any
 import typer
 
 from hydrohil.cli.options import AsJson, app, console, fail, make_folders, writing
-from hydrohil.shared.host.process import EXIT_USAGE
+from hydrohil.shared.exit_status import EXIT_USAGE
 
 
 @app.command()

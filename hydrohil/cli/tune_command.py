@@ -8,7 +8,7 @@ import typer
 
 from hydrohil.cli.experiment_commands import experiment_of
 from hydrohil.cli.options import Settings, app, console, fail, make_folders, writing
-from hydrohil.shared.host.process import EXIT_USAGE
+from hydrohil.shared.exit_status import EXIT_USAGE
 
 if TYPE_CHECKING:
     from hydrohil.claims.trace import Trace

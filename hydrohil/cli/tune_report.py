@@ -11,7 +11,7 @@ from rich.table import Table
 from hydrohil.experiment.experiment import Experiment, to_toml
 from hydrohil.experiment.sections import LinkGains
 from hydrohil.shared.compiled.kernel import source_version
-from hydrohil.shared.host.process import EXIT_CLAIM, EXIT_OK
+from hydrohil.shared.exit_status import EXIT_CLAIM, EXIT_OK
 from hydrohil.tuning.bench import Criteria, Step, rad_per_unit, unit
 from hydrohil.tuning.compare import Compared, compare, reference
 from hydrohil.tuning.procedure import LinkTuning

@@ -6,6 +6,7 @@ from types import NoneType, UnionType
 from typing import Annotated, Any, NamedTuple, get_args, get_origin, get_type_hints
 
 from hydrohil.shared.contract.assignments import nearest
+from hydrohil.shared.errors import HydrohilError
 
 _UNIT_WORDS = {
     **dict.fromkeys(("m", "m2", "m3", "s", "s2", "kg", "rad", "rad2", "deg"), ""),
@@ -25,7 +26,7 @@ _UNIT_WORDS = {
 Location = Sequence[str | int]
 
 
-class ExperimentError(ValueError):
+class ExperimentError(HydrohilError, ValueError):
     """An experiment that cannot run; its message has one line a problem."""
 
     def __init__(self, problems: Iterable[str]) -> None:

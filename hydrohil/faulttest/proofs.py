@@ -9,13 +9,14 @@ from typing import NamedTuple
 from junitparser import JUnitXml, Skipped
 
 from hydrohil.faulttest.trial import Trial
+from hydrohil.shared.errors import HydrohilError
 from hydrohil.shared.host.child import environment, python_module
 
 ROOT = Path(__file__).resolve().parent.parent.parent
 NO_TESTS = "the tests are not beside the sources: run it in a clone"
 
 
-class ProofsError(Exception):
+class ProofsError(HydrohilError):
     """pytest ran no tests; the message is its last line."""
 
 

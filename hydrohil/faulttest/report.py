@@ -6,7 +6,7 @@ from typing import Any, NamedTuple
 
 from hydrohil.faulttest.tally import FAILED, HELD, UNTRIED, Result, Tried, counts
 from hydrohil.faulttest.trial import Trial
-from hydrohil.shared.host.process import EXIT_CLAIM, EXIT_OK
+from hydrohil.shared.exit_status import EXIT_CLAIM, EXIT_OK
 
 
 class Report(NamedTuple):

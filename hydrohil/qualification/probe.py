@@ -15,8 +15,9 @@ from hydrohil.cell.processes import CellError, Place
 from hydrohil.qualification import transport
 from hydrohil.qualification.spread import spread
 from hydrohil.qualification.wakeups import cyclictest, lateness_us, nanosleep_lateness_us
+from hydrohil.shared.exit_status import EXIT_OK, EXIT_TRANSPORT
 from hydrohil.shared.host.child import environment, python_module
-from hydrohil.shared.host.process import DEFAULT_CELL, EXIT_OK, EXIT_TRANSPORT
+from hydrohil.shared.host.process import DEFAULT_CELL
 from hydrohil.shared.host.realtime import Granted, die_with_parent, request_realtime
 from hydrohil.shared.transport.bus import DEFAULT_PORT, BusError
 from hydrohil.shared.units import NS_PER_S

@@ -9,12 +9,13 @@ from contextlib import contextmanager
 from typing import ParamSpec, TypeVar
 
 from hydrohil.reproduction.jobs import Done, Job, imported, warm, work
+from hydrohil.shared.errors import HydrohilError
 
 Arguments = ParamSpec("Arguments")
 Answer = TypeVar("Answer")
 
 
-class LostWorkerError(Exception):
+class LostWorkerError(HydrohilError):
     """A process of the pool has ended by itself: out of memory, or killed."""
 
 

@@ -11,7 +11,7 @@ from hydrohil.pages.drawing import Drawing
 from hydrohil.reproduction.explanations import explanation
 from hydrohil.reproduction.plan import CHAPTERS, Figure
 from hydrohil.reproduction.play import Found
-from hydrohil.shared.host.process import EXIT_CLAIM, EXIT_OK, EXIT_TRANSPORT, EXIT_TRIPPED
+from hydrohil.shared.exit_status import EXIT_CLAIM, EXIT_OK, EXIT_TRANSPORT, EXIT_TRIPPED
 
 ENOUGH_PERCENT = 95  # of the seeds
 

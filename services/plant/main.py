@@ -7,8 +7,9 @@ import sys
 from collections.abc import Callable
 
 from hydrohil.services.plant.config import GateLimits
+from hydrohil.shared.exit_status import EXIT_TRANSPORT
 from hydrohil.shared.host.lease import MAX_LEASE_NS, MEASURED_S, LeaseChoice
-from hydrohil.shared.host.process import EXIT_TRANSPORT, Options, options_of, parser, serve
+from hydrohil.shared.host.process import Options, options_of, parser, serve
 from hydrohil.shared.host.wakeups import Probe
 from hydrohil.shared.transport.bus import Bus
 from hydrohil.shared.units import SUBSTEP_NS

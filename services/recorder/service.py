@@ -11,7 +11,8 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 from hydrohil.shared.contract.topics import TOPICS
-from hydrohil.shared.host.process import EXIT_OK, EXIT_TRANSPORT, Options, await_router, draw_number, options_of, parser
+from hydrohil.shared.exit_status import EXIT_OK, EXIT_TRANSPORT
+from hydrohil.shared.host.process import Options, await_router, draw_number, options_of, parser
 from hydrohil.shared.host.qualified import of_plain, standing
 from hydrohil.shared.host.realtime import die_with_parent, interrupt_nobody
 from hydrohil.shared.transport.bus import Bus, BusError

@@ -4,7 +4,8 @@ import signal
 import sys
 import threading
 
-from hydrohil.shared.host.process import EXIT_OK, EXIT_TRANSPORT, CommandLine, scheduling, with_process_options
+from hydrohil.shared.exit_status import EXIT_OK, EXIT_TRANSPORT
+from hydrohil.shared.host.process import CommandLine, scheduling, with_process_options
 from hydrohil.shared.host.realtime import die_with_parent, request_realtime
 from hydrohil.shared.transport.bus import BusError, router
 from hydrohil.shared.transport.endpoints import ROUTER, address

@@ -10,6 +10,7 @@ import time
 from collections.abc import Callable
 from typing import NamedTuple, NoReturn
 
+from hydrohil.shared.exit_status import EXIT_OK, EXIT_TRANSPORT, EXIT_USAGE
 from hydrohil.shared.host.realtime import (
     FIFO_PRIORITY,
     PLANT_PRIORITY,
@@ -22,7 +23,6 @@ from hydrohil.shared.host.realtime import (
 from hydrohil.shared.transport.bus import DEFAULT_PORT, Bus, BusError
 from hydrohil.shared.transport.endpoints import HERE, LISTENERS, Network, address, network
 
-EXIT_OK, EXIT_CLAIM, EXIT_USAGE, EXIT_TRIPPED, EXIT_TRANSPORT = 0, 1, 2, 3, 5
 _NUMBER_BITS = 62
 _ALONE = {"controller": True, "supervisor": False}  # whether it has its cell's chosen processor; the plant goes where one is free
 DEFAULT_CELL = "cell"

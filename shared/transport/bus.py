@@ -24,6 +24,7 @@ import zenoh
 from hydrohil.shared.contract.codec import WIRE_VERSION, Header, Received, decode, encode
 from hydrohil.shared.contract.messages import NO_COMMAND, Answer, Ask
 from hydrohil.shared.contract.topics import ANSWER, ASK, BY_KEY, Topic, expression
+from hydrohil.shared.errors import HydrohilError
 from hydrohil.shared.transport.endpoints import HERE, LISTENERS, Network, address, configuration, listener, router_configuration
 from hydrohil.shared.transport.impairment_queue import Conditions, idle
 from hydrohil.shared.transport.inbox import RING, Inbox
@@ -36,7 +37,7 @@ _TAKEN = "a {service} runs there already; stop it (`hydrohil down`) or give this
 _THERE = "a {service} of cell {cell!r} is at this router already; stop it (`hydrohil down`) or name another (`--cell NAME`)"
 
 
-class BusError(Exception):
+class BusError(HydrohilError):
     """The transport cannot be had; the message says what to do."""
 
 

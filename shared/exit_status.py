@@ -1,0 +1,4 @@
+"""Exit statuses of every command and service."""
+
+EXIT_OK, EXIT_CLAIM, EXIT_USAGE, EXIT_TRIPPED, EXIT_TRANSPORT = 0, 1, 2, 3, 5
+EXIT_INTERRUPTED = 130
