@@ -33,14 +33,14 @@ LAYERS: tuple[tuple[str, ...], ...] = (
     ("claims", "recording"),
     ("experiment",),
     ("thesis", "simulation", "pages"),
-    ("cell", "linear", "tuning", "campaign", "explain"),
+    ("cell", "linear", "tuning", "campaign", "explanation"),
     ("qualification", "reproduction"),
     ("faulttest",),
     ("cli",),
 )
 LAYER_OF = {package: number for number, row in enumerate(LAYERS) for package in row}
 # Who takes the services' pure modules; `linear` linearises the plant's own equations, and `cli` starts the services' shells.
-TAKE_SERVICES = {"experiment", "thesis", "simulation", "linear", "explain"}
+TAKE_SERVICES = {"experiment", "thesis", "simulation", "linear", "explanation"}
 SHELLS = {"main", "service"}
 SHARED_ORDER = (
     "errors",
