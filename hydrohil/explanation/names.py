@@ -54,7 +54,7 @@ def breakable_names() -> list[str]:
 
 
 def find_cause(name: str) -> tuple[TripCause | None, GateCause | None]:
-    """Cause of a trip and cause of a cut that have this name, one of them at least; after `gate.` of a cut. Raises UnknownNameError."""
+    """Cause of a trip and cause of a cut of this name; `gate.NAME` is of a cut alone. Raises UnknownNameError."""
     of_gate = name.lower().startswith(GATE)
     trips = {} if of_gate else {cause.name: cause for cause in TripCause if cause}
     cuts = {cause.name: cause for cause in GateCause if cause}
