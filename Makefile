@@ -3,7 +3,7 @@ VENV := .venv
 BIN := $(VENV)/bin
 STAMP := $(VENV)/.installed
 
-.PHONY: install demo test check slow coverage mutants fuzz clean
+.PHONY: install demo test check slow coverage mutants fuzz lock clean
 
 install: $(STAMP)
 
@@ -49,6 +49,11 @@ fuzz: install
 
 slow: install
 	$(BIN)/python -m pytest -m slow
+
+# The versions of .venv become those that CI installs.
+lock: install
+	echo '# Versions that CI installs; `make lock` writes them anew from a fresh .venv.' > .ci/constraints.txt
+	$(BIN)/python -m pip freeze --exclude-editable >> .ci/constraints.txt
 
 clean:
 	rm -rf $(VENV) runs .pytest_cache .mypy_cache .ruff_cache .hypothesis .coverage *.egg-info

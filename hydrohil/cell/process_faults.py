@@ -8,13 +8,13 @@ import contextlib
 import os
 import signal
 import subprocess
-import sys
 import time
 from collections.abc import Callable, Iterable
 from pathlib import Path
 
 from hydrohil.cell.processes import CellError, RefusedError, ask, statuses
 from hydrohil.shared.contract.faults import PROCESSES, Fault, row_of
+from hydrohil.shared.host.child import python_program
 from hydrohil.shared.host.process import DEFAULT_CELL
 from hydrohil.shared.transport.bus import Bus
 
@@ -151,7 +151,7 @@ def _thaw(bus: Bus, fault: Fault, known: dict[str, int]) -> None:
 
 def _hog(count: int) -> Undo:
     """Processes that never rest; they end with this one, however it ends."""
-    started = [subprocess.Popen([sys.executable, "-P", "-c", _BUSY, str(os.getpid())]) for _ in range(count)]
+    started = [subprocess.Popen([*python_program(_BUSY), str(os.getpid())]) for _ in range(count)]
 
     def end() -> None:
         for process in started:

@@ -5,7 +5,6 @@ import resource
 import shutil
 import signal
 import subprocess
-import sys
 import tempfile
 import threading
 import time
@@ -23,6 +22,7 @@ from hydrohil.faulttest.rig import Rig
 from hydrohil.faulttest.trial import Trial
 from hydrohil.shared.contract.codec import Received
 from hydrohil.shared.contract.messages import NO_TRIAL, Command, GateState
+from hydrohil.shared.host.child import python_program
 from hydrohil.shared.transport.bus import Bus
 
 QUIET_S, LOADED_S = 1.2, 1.2
@@ -207,7 +207,7 @@ def hogged(rig: Rig, dice: Random, number: int) -> Trial:
     rig.moving(motion(number), dice)
     count = 2 * len(os.sched_getaffinity(0))
     blow_ns = time.monotonic_ns()
-    hogs = [subprocess.Popen([sys.executable, "-P", "-c", "while True: pass"]) for _ in range(count)]
+    hogs = [subprocess.Popen(python_program("while True: pass")) for _ in range(count)]
     try:
         rig.observer.listen_for(WATCHED_S)
     finally:

@@ -17,6 +17,11 @@ def python_module(module: str) -> list[str]:
     return [sys.executable, "-P", "-m", module]
 
 
+def python_program(text: str) -> list[str]:
+    """Start of the command line that runs the program `text`, which imports nothing of ours."""
+    return [sys.executable, "-P", "-c", text]
+
+
 def environment() -> dict[str, str]:
     """This process's environment; with the package's folder on the path where this process found it in the working folder."""
     if sys.path and Path(sys.path[0]).resolve() == _PARENT.resolve():
