@@ -30,7 +30,7 @@ PERCENTILES = ("p50", "p99", "max")
 def run(place: cells.Place, given: Any, *, warmups: bool) -> dict[str, Any]:
     """The real run through the command line in a cell of its own: counters of the plant, and processors taken by the cell."""
     options = rig.services_options(realtime=not given.no_realtime)
-    options["plant"] += [] if warmups else ["--no-warm-up frames"]
+    options["plant"] += [] if warmups else ["--no-warmup"]
     with rig.running(place, options) as (_, processes), tempfile.TemporaryDirectory() as folder:
         report = Path(folder) / "report.json"
         changed = [word for setting in settings(given.seconds, rig.substeps(given.rate_hz)) for word in ("--set", setting)]

@@ -25,7 +25,7 @@ def main(arguments: list[str] | None = None) -> int:
         "--permit-ttl-ms", type=float, help="lease of permits and commands; default: chosen from this host's lateness"
     )
     line.add_argument("--gate-force-limit-n", type=float, default=420.0, help="raw force at which the gate cuts by itself (420)")
-    line.add_argument("--no-warm-up frames", action="store_true", help="send none before a sample: less work, later answers")
+    line.add_argument("--no-warmup", action="store_true", help="send none before a sample: less work, later answers")
     given = line.parse_args(arguments)
     options = options_of(line, given)
     limits = GateLimits(force_limit_n=given.gate_force_limit_n)

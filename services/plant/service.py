@@ -271,5 +271,5 @@ class Plant:
             "tick": tick if tick != NO_TRIAL else None,
             "lease_ms": keeper.limits.permit_ttl_ns / 1e6 if self.lease.chosen else None,
             "counters": self.counters.summary(),
-            "warm-up frames": self.warmups.sent,
+            "warmups": self.warmups.sent,
         }

@@ -1,4 +1,4 @@
-"""One installed name, whatever the user's own folder holds: from a wheel, an editable install and a clone that is not installed."""
+"""One installed name, whatever the user's own folder holds: from a wheel, an editable install, and a clone alone."""
 
 import os
 import shutil
@@ -51,8 +51,19 @@ def command(request: pytest.FixtureRequest, tmp_path_factory: pytest.TempPathFac
     if request.param == "clone":
         return ["env", f"PYTHONPATH={ROOT}", str(python), "-P", "-m", "hydrohil"]
     found = request.getfixturevalue("wheel")
-    line = [sys.executable, "-m", "pip", "--python", str(python), "install", "-q", "--no-deps", "--no-index", str(found)]
-    subprocess.run(line, check=True)
+    line = [
+        sys.executable,
+        "-m",
+        "pip",
+        "--python",
+        str(python),
+        "install",
+        "-q",
+        "--no-deps",
+        "--no-index",
+        "--ignore-installed",
+    ]
+    subprocess.run([*line, str(found)], check=True)
     return [str(python.parent / "hydrohil")]
 
 
@@ -84,25 +95,13 @@ def test_the_wheel_holds_one_name(wheel: Path) -> None:
     assert {"hydrohil/py.typed", "hydrohil/services/recorder/arm.urdf"} <= held
 
 
-def test_commands_and_the_processes_of_a_cell_import_nothing_from_the_working_folder(
+def test_a_command_and_the_processes_of_a_cell_import_nothing_from_the_working_folder(
     command: list[str], own_folder: Path
 ) -> None:
     assert "fig-4-25" in run(command, "list", folder=own_folder)
     place = own_place()
-    words = [
-        "run",
-        "fig-4-25",
-        "--clock",
-        "lockstep",
-        "--permit-ttl-ms",
-        "200",
-        *place.words,
-        "--rrd",
-        "run.rrd",
-        "--json",
-        "run.json",
-    ]
-    run(command, *words, folder=own_folder)
+    words = ["run", "fig-4-25", "--clock", "lockstep", "--permit-ttl-ms", "200", *place.words]
+    run(command, *words, "--rrd", "run.rrd", "--json", "run.json", folder=own_folder)
     assert (own_folder / "run.rrd").stat().st_size > 100_000
 
 

@@ -198,7 +198,7 @@ def test_in_a_trial_on_the_wall_clock_the_last_sample_goes_out_twice_more_after_
     scene.plant.sample()
     last, warmed_up = scene.bus.of("plant/sample")[-2], scene.bus.of("plant/warmup")[sent:]
     assert warmed_up == [last, last]
-    assert scene.plant.status()["warm-up frames"] == sent + 2
+    assert scene.plant.status()["warmups"] == sent + 2
 
 
 def test_before_a_trial_no_sample_is_warmuped(monkeypatch):
