@@ -11,10 +11,10 @@ from hydrohil.claims.claims import judge
 from hydrohil.claims.trace import Trace
 from hydrohil.experiment.errors import ExperimentError
 from hydrohil.experiment.experiment import Experiment
-from hydrohil.services.supervisor.rules import trip_words
 from hydrohil.shared.compiled.kernel import source_version
 from hydrohil.shared.contract.messages import Mode, TripCause
 from hydrohil.shared.errors import HydrohilError
+from hydrohil.shared.trips.causes import trip_words
 from hydrohil.shared.units import NS_PER_S
 from hydrohil.simulation.rollout import play_local, trace_of
 

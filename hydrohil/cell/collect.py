@@ -6,13 +6,13 @@ from typing import Any
 import numpy as np
 
 from hydrohil.claims.trace import Trace
-from hydrohil.services.supervisor.rules import trip_words
 from hydrohil.shared.contract.codec import Received
-from hydrohil.shared.contract.messages import NO_TRIAL, GateCause, GateState, Mode, TripCause
+from hydrohil.shared.contract.messages import NO_TRIAL, GateState, Mode, TripCause
 from hydrohil.shared.contract.topics import TOPICS
 from hydrohil.shared.errors import HydrohilError
 from hydrohil.shared.transport.bus import Bus
 from hydrohil.shared.transport.inbox import Inbox
+from hydrohil.shared.trips.causes import cut_words, trip_words
 from hydrohil.shared.trips.events import change_words
 from hydrohil.shared.trips.report import Document
 from hydrohil.shared.trips.ring import TripRing
@@ -34,25 +34,6 @@ _FROM_STATE = (
 _JOINED = ("plant/sample", "controller/command", "controller/state", "supervisor/permit", "plant/gate")
 CHANGED = "controller/parameter_change"
 DEPTH = 1 << 20  # frames; an hour at 222 Hz
-
-
-CUTS = {
-    GateCause.PERMIT_STALE: "the supervisor's permits have stopped (s)",
-    GateCause.COMMAND_STALE: "the controller's commands have stopped (s)",
-    GateCause.NOT_RUNNING: "the supervisor no longer permits motion",
-    GateCause.OTHER_ARMING: "permit and command are of different armings",
-    GateCause.EPOCH_CHANGED: "controller or supervisor was restarted, or there are two",
-    GateCause.IMPOSSIBLE_ECHO: "a permit or command answers a sample that the plant never sent",
-    GateCause.OUT_OF_RANGE: "the controller's code is outside the converter's range (codes)",
-    GateCause.BEYOND_SLEW: "the controller's code is beyond the slew limit (codes)",
-    GateCause.NOT_UNLOADING: "a code of the recovery does not unload, or is too large (codes)",
-    GateCause.FORCE_INVALID: "the force reading is outside the gauge's range or saturated (counts)",
-    GateCause.FORCE_ABOVE_LIMIT: "the raw force is above the gate's own limit (N)",
-    GateCause.ESTOP: "the operator's emergency stop",
-    GateCause.LINK_FAULTS: "frames of a command or permit came corrupt, again or out of order (in a second)",
-    GateCause.TWO_PUBLISHERS: "there are two controllers or two supervisors, each with an epoch of its own (frames in a second)",
-    GateCause.OVERRUN: "the plant stood still for longer than the lease",
-}
 
 
 class GapError(HydrohilError):
@@ -84,8 +65,8 @@ class Collector:
         if not isinstance(newest, Received) or newest.header.run != run or newest.body.mode != Mode.TRIPPED:
             return ""
         permit = newest.body
-        told = trip_words(TripCause(permit.cause), permit.measured, permit.limit, permit.trip_number)
-        return (permit.cause == TripCause.GATE_CUT and self._cut(run)) or told
+        words = trip_words(permit.cause, permit.measured, permit.limit, permit.trip_number)
+        return (permit.cause == TripCause.GATE_CUT and self._cut(run)) or words
 
     def changed(self, run: int) -> tuple[str, ...]:
         """Parameters that were changed by hand in this run, in words."""
@@ -118,9 +99,7 @@ class Collector:
         event = next((body for body in events if body.state == GateState.REVOKED), None)
         if event is None:
             return ""
-        cause = GateCause(event.cause)
-        numbers = f": {event.measured:.4g} against {event.limit:.4g}" if event.limit else ""
-        return f"the gate has cut: {CUTS.get(cause, cause.name)}{numbers} (sample {event.number})"
+        return cut_words(event.cause, event.measured, event.limit, event.number)
 
     def trace(self, run: int, ticks: int) -> Trace:
         """The trial's rows from tick 0; raises GapError naming the first tick and topic that is missing."""

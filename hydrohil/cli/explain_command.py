@@ -162,7 +162,8 @@ def _show_cause(name: str, *, as_json: bool) -> None:
         return
     for one in found:
         at_gate = one.by == "gate"
-        what = "condition of the gate" if at_gate else f"rule of the supervisor{one.limit}"
+        what = "condition of the gate" if at_gate else "rule of the supervisor"
+        what += f", limit by default {one.limit}" if one.limit else ""
         lines = [f"[bold]{GATE * at_gate}{one.cause}[/], {what}"]
         lines += [f"  must hold: {one.must_hold}", f"  to do:     {one.to_do}"] if one.must_hold else []
         console.print(*lines, sep="\n", highlight=False, soft_wrap=True)

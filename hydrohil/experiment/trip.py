@@ -1,9 +1,8 @@
-"""What the supervisor says of a trip, for those who may not import the supervisor."""
+"""The words of a trip from whatever holds one."""
 
 from typing import Protocol
 
-from hydrohil.services.supervisor.rules import trip_words
-from hydrohil.shared.contract.messages import TripCause
+from hydrohil.shared.trips.causes import trip_words
 
 
 class Trip(Protocol):
@@ -20,5 +19,5 @@ class Trip(Protocol):
 
 
 def trip_line(trip: Trip) -> str:
-    """What no longer held, the number against its limit, and the sample at which it was found."""
-    return trip_words(TripCause(trip.cause), trip.measured, trip.limit, trip.trip_number)
+    """What happened with its numbers and units, and the sample."""
+    return trip_words(trip.cause, trip.measured, trip.limit, trip.trip_number)

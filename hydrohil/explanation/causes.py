@@ -20,7 +20,7 @@ class Explanation(NamedTuple):
 
     cause: str
     by: str  # "supervisor" or "gate"
-    limit: str  # of a rule: what its row says broken, and the limit that a cell has by default
+    limit: str  # of a rule: the limit that a cell has by default, with its unit
     must_hold: str
     to_do: str
 
@@ -45,13 +45,13 @@ def _explanation(by: str, cause: str, limit: str, row: Cause | None) -> Explanat
 
 
 def default_limit(cause: TripCause) -> str:
-    """What the row of `cause` says broken, with the limit that it has in a cell by default; "" for what is no row."""
-    observed, limits = _at_rest()
+    """The limit that the rule of `cause` has in a cell by default, with its unit; "" for what is no rule or has no number."""
     found = next((rule for rule in RULES if rule.cause == cause), None)
-    if found is None:
+    unit = TRIPS[cause].unit
+    if found is None or not unit:
         return ""
-    has_unit = found.words.endswith(")")
-    return f": {found.words}" + (f"; limit by default {found.limit(observed, limits):.4g}" if has_unit else "")
+    observed, limits = _at_rest()
+    return f"{found.limit(observed, limits):.4g} {unit}"
 
 
 def _at_rest() -> tuple[Observed, Limits]:

@@ -13,10 +13,10 @@ from hydrohil.experiment.experiment import Experiment
 from hydrohil.experiment.sections import GateLimits
 from hydrohil.faulttest.motions import PRESS, SWING
 from hydrohil.faulttest.trial import Trial
-from hydrohil.services.supervisor.rules import trip_words
 from hydrohil.shared.contract.converters import ZERO_CODE, code_to_current
 from hydrohil.shared.contract.faults import Fault, ticks_of
 from hydrohil.shared.contract.messages import GateCause, Mode, TripCause
+from hydrohil.shared.trips.causes import trip_words
 from hydrohil.shared.units import NS_PER_S, SUBSTEP_S
 from hydrohil.simulation.loop import Columns
 from hydrohil.simulation.rollout import Outcome, play_local
@@ -51,9 +51,7 @@ def ended(outcome: Outcome) -> Ended:
         return Ended(rows, "nothing tripped")
     if watch.cause == TripCause.GATE_CUT:
         return Ended(rows - 2, f"the gate: {GateCause(gate.cause).name}")
-    return Ended(
-        rows - 1, f"the supervisor: {trip_words(TripCause(watch.cause), watch.measured, watch.limit, watch.trip_number)}"
-    )
+    return Ended(rows - 1, f"the supervisor: {trip_words(watch.cause, watch.measured, watch.limit, watch.trip_number)}")
 
 
 def period_s(experiment: Experiment) -> float:

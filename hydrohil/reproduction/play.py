@@ -10,8 +10,8 @@ from hydrohil.claims.study import Panel, Statement, Study
 from hydrohil.claims.trace import Trace
 from hydrohil.experiment.experiment import Experiment
 from hydrohil.reproduction.plan import Figure
-from hydrohil.services.supervisor.rules import trip_words
-from hydrohil.shared.contract.messages import Mode, TripCause
+from hydrohil.shared.contract.messages import Mode
+from hydrohil.shared.trips.causes import trip_words
 from hydrohil.simulation.rollout import Outcome, play_local, trace_of
 
 UNPLAYED = Statement("The trials that it is computed from reach their end", "above", "1", low=1.0)
@@ -50,7 +50,7 @@ def played(outcome: Outcome) -> Played:
     trip = outcome.supervisor
     if trip.mode != Mode.TRIPPED:
         return Played(trace_of(outcome))
-    return Played(trace_of(outcome), trip_words(TripCause(trip.cause), trip.measured, trip.limit, trip.trip_number))
+    return Played(trace_of(outcome), trip_words(trip.cause, trip.measured, trip.limit, trip.trip_number))
 
 
 def judge_figure(figure: Figure, played: Mapping[str, Played]) -> Found:

@@ -71,70 +71,60 @@ FORCE_RULES = (
         lambda seen, limits: float(
             limits.min_force_counts if seen.gauge.force_counts < limits.min_force_counts else limits.max_force_counts
         ),
-        "the force reading is outside the gauge's range or saturated (counts)",
     ),
     Rule(
         raw_force_within,
         TripCause.FORCE_RAW,
         lambda seen, _: seen.gauge.raw_n,
         lambda _, limits: limits.config.raw_force_limit_n,
-        "the raw force is above its limit (N)",
     ),
     Rule(
         tared_force_within,
         TripCause.FORCE_TARED,
         lambda seen, _: seen.gauge.tared_n,
         lambda _, limits: limits.config.force_limit_n,
-        "the contact force is above its limit (N)",
     ),
     Rule(
         gauge_alive,
         TripCause.FORCE_FROZEN,
         lambda seen, _: float(seen.gauge.quiet_samples),
         lambda _, limits: float(limits.quiet_samples),
-        "the force reading stands still: quieter than the gauge's known noise (samples)",
     ),
     Rule(
         force_steady,
         TripCause.FORCE_JUMP,
         lambda seen, _: seen.gauge.jump_n,
         lambda seen, _: seen.gauge.jump_limit_n,
-        "the force reading jumped further than noise and motion explain (N)",
     ),
     Rule(
         force_rate_within,
         TripCause.FORCE_RATE,
         lambda seen, _: seen.gauge.rate_n_per_s,
         lambda _, limits: limits.config.force_rate_limit_n_per_s,
-        "the contact force changes faster than its limit (N/s)",
     ),
     Rule(
         contact_brief,
         TripCause.FORCE_HELD,
         lambda seen, _: seen.gauge.held_ns * 1e-9,
         lambda _, limits: limits.config.contact_time_s,
-        "the contact force has stayed above the contact level for too long (s)",
     ),
     Rule(
         energy_within,
         TripCause.FORCE_ENERGY,
         lambda seen, _: seen.gauge.energy_j,
         lambda _, limits: limits.config.contact_energy_j,
-        "this contact has put more energy into the environment than its limit (J)",
     ),
     Rule(
         force_explained,
         TripCause.FORCE_DRIFT,
         lambda seen, _: seen.gauge.unexplained_n,
         lambda seen, _: seen.gauge.unexplained_limit_n,
-        "the force reading has risen further than the way into the environment explains (N)",
     ),
     Rule(
         force_pushes,
         TripCause.FORCE_BELOW_BIAS,
         lambda seen, _: seen.gauge.smooth_n,
         lambda _, __: -(NOISE_N + TOUCH_N),
-        "the force reads below its bias, and a gauge cannot be pulled: it drifts, or it was tared in contact (N)",
     ),
     Rule(
         bias_steady,
@@ -145,6 +135,5 @@ FORCE_RULES = (
         lambda seen, limits: (
             limits.config.bias_spread_n if abs(seen.gauge.bias_n) <= limits.config.bias_limit_n else limits.config.bias_limit_n
         ),
-        "the force bias is above its limit or unsteady (N)",
     ),
 )

@@ -38,27 +38,23 @@ LINK_RULES = (
         TripCause.LINK_FAULTS,
         lambda seen, _: float(seen.transport.link_faults),
         lambda _, limits: float(limits.faults_per_s),
-        "frames of plant or controller came corrupt, again or out of order (in a second)",
     ),
     Rule(
         one_publisher,
         TripCause.TWO_PUBLISHERS,
         lambda seen, _: float(seen.transport.epoch_conflicts),
         lambda seen, limits: float(_epoch_conflicts_allowed(seen, limits)),
-        "there are two plants or two controllers, or one started anew (frames of another epoch in a second)",
     ),
     Rule(
         one_experiment,
         TripCause.OTHER_RUN,
         lambda seen, _: float(seen.transport.other_run),
         lambda _, __: 0.0,
-        "plant or controller has another run or experiment than the permit (frames)",
     ),
     Rule(
         answered_in_time,
         TripCause.QUALITY,
         lambda seen, _: quality(seen.transport.missed),
         lambda _, limits: quality(limits.missed_samples),
-        "too few of the last 100 samples were answered in time (share)",
     ),
 )

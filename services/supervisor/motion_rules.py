@@ -118,42 +118,36 @@ MOTION_RULES = (
         TripCause.ENCODER_INVALID,
         lambda seen, limits: float(seen.motion.counts[_off_rail(seen.motion.counts, limits) % 3]),
         lambda seen, limits: float(_rail(seen.motion.counts, limits)),
-        "an encoder stands at an end of its counter: no cable, or wrapped (counts)",
     ),
     Rule(
         counters_follow,
         TripCause.ENCODER_JUMP,
         lambda seen, limits: seen.motion.moved_rad[_first_jump(seen, limits) % 4],
         lambda seen, limits: _reach(seen, limits, _first_jump(seen, limits) % 4),
-        "an encoder jumped further than its link can move between two samples (rad; link 3 m)",
     ),
     Rule(
         links_obey,
         TripCause.MOTION_AGAINST,
         lambda seen, _: seen.motion.against[_first_above(seen.motion.against, BRAKES) % 3],
         lambda seen, _: BRAKES[_first_above(seen.motion.against, BRAKES) % 3],
-        "a link moves against its current for longer than it takes to brake: valve, supply or counter (rad; link 3 m)",
     ),
     Rule(
         links_move,
         TripCause.NO_MOTION,
         lambda seen, _: _least_progress(seen) * 1e-9,
         lambda _, __: MOVES_WITHIN_NS * 1e-9,
-        "a link does not move under a current above its worst break-away: valve, supply or counter (s)",
     ),
     Rule(
         joints_within,
         TripCause.JOINT_LIMIT,
         lambda seen, limits: _worst(seen.motion.q_rad, limits.config.joint_low_rad, limits.config.joint_high_rad)[0],
         lambda seen, limits: _worst(seen.motion.q_rad, limits.config.joint_low_rad, limits.config.joint_high_rad)[1],
-        "a joint is beyond its limit (rad; link 3 m)",
     ),
     Rule(
         tip_within,
         TripCause.WORKSPACE,
         lambda seen, limits: _worst(seen.motion.tip_m, limits.config.workspace_low_m, limits.config.workspace_high_m)[0],
         lambda seen, limits: _worst(seen.motion.tip_m, limits.config.workspace_low_m, limits.config.workspace_high_m)[1],
-        "the tip has left its workspace (m)",
     ),
     Rule(
         joints_slow,
@@ -162,13 +156,11 @@ MOTION_RULES = (
         lambda seen, limits: limits.config.joint_speed_limit[
             _first_above(seen.motion.speed, limits.config.joint_speed_limit) % 3
         ],
-        "a joint is faster than its limit (rad/s; link 3 m/s)",
     ),
     Rule(
         tip_slow,
         TripCause.TIP_SPEED,
         lambda seen, _: seen.motion.tip_speed_m_per_s,
         lambda _, limits: limits.config.tip_speed_limit_m_per_s,
-        "the tip is faster than its limit (m/s)",
     ),
 )

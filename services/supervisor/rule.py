@@ -1,4 +1,7 @@
-"""What a rule is: what it judges, against what, and what it says. The rows stand in the files of their subjects."""
+"""What a rule is: what it judges, and against what. The rows stand in the files of their subjects.
+
+What is said of a broken rule stands in shared/trips/causes.py.
+"""
 
 from collections.abc import Callable
 from typing import NamedTuple
@@ -88,10 +91,9 @@ Number = Callable[[Observed, Limits], float]
 
 
 class Rule(NamedTuple):
-    """One row: what must hold, the cause if it does not, the number, its limit, and the words."""
+    """One row: what must hold, the cause if it does not, the number, and its limit."""
 
     holds: Verdict
     cause: TripCause
     measured: Number
     limit: Number
-    words: str

@@ -1,4 +1,4 @@
-"""All rules, most severe first; the first broken decides. A trip in words."""
+"""All rules, most severe first; the first broken decides."""
 
 from collections.abc import Callable
 
@@ -8,21 +8,10 @@ from hydrohil.services.supervisor.motion_rules import MOTION_RULES
 from hydrohil.services.supervisor.rule import Limits, Number, Observed, Rule, Verdict
 from hydrohil.services.supervisor.transport_rules import TRANSPORT_RULES
 from hydrohil.shared.compiled.kernel import kernel
-from hydrohil.shared.contract.messages import TripCause
 
 Broken = tuple[int, float, float]  # cause, measured, limit; all zero if nothing is
 
 RULES = tuple(sorted((*FORCE_RULES, *MOTION_RULES, *TRANSPORT_RULES, *LINK_RULES), key=lambda rule: rule.cause))
-WORDS = {rule.cause: rule.words for rule in RULES} | {
-    TripCause.NONE: "nothing",
-    TripCause.ESTOP: "the operator's emergency stop",
-}
-
-
-def trip_words(cause: TripCause, measured: float, limit: float, number: int) -> str:
-    """A trip for people: what no longer held, the number against its limit, and the sample at which."""
-    numbers = "" if cause == TripCause.ESTOP else f": {measured:.4g} against {limit:.4g}"
-    return f"{WORDS[cause]}{numbers} (sample {number})"
 
 
 def fold(rules: tuple[Rule, ...]) -> Callable[[Observed, Limits], Broken]:

@@ -12,7 +12,6 @@ from hydrohil.services.supervisor.modes import DISARMED, TRIPPED, Event
 from hydrohil.services.supervisor.observe import Links
 from hydrohil.services.supervisor.params import supervisor_params
 from hydrohil.services.supervisor.prearm_checks import Declared, prearm_problem
-from hydrohil.services.supervisor.rules import trip_words
 from hydrohil.services.supervisor.step import Asked, SupervisorMemory, supervisor_step
 from hydrohil.shared.contract.codec import Received
 from hydrohil.shared.contract.deadline_window import quality
@@ -29,6 +28,7 @@ from hydrohil.shared.transport.live_faults import LiveFaults
 from hydrohil.shared.transport.protection import worst
 from hydrohil.shared.transport.requests import Request
 from hydrohil.shared.transport.step_lock import StepLock
+from hydrohil.shared.trips.causes import trip_words
 from hydrohil.shared.units import NS_PER_S
 
 _IDLE_WAKE_S = 0.1
@@ -234,7 +234,7 @@ class Supervisor:
     def trip_words(self) -> str:
         """Cause, number and limit of the latched trip."""
         memory = self.memory
-        return trip_words(TripCause(memory.cause), memory.measured, memory.limit, memory.trip_number)
+        return trip_words(memory.cause, memory.measured, memory.limit, memory.trip_number)
 
     def _serve(self, request: Request) -> None:
         if request.verb in _EVENTS:

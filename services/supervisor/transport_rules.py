@@ -43,21 +43,18 @@ TRANSPORT_RULES = (
         TripCause.SAMPLE_LOST,
         lambda seen, _: float(seen.transport.lost_samples),
         lambda seen, limits: float(limits.lease_samples if seen.transport.lost_samples >= 0 else 0),
-        "samples were lost for longer than the lease, or the plant started anew (samples)",
     ),
     Rule(
         samples_fresh,
         TripCause.SAMPLE_STALE,
         lambda seen, _: seen.transport.stale_ns * 1e-9,
         lambda _, limits: limits.lease_ns * 1e-9,
-        "the plant's samples have stopped (s)",
     ),
     Rule(
         commands_fresh,
         TripCause.COMMAND_STALE,
         lambda seen, _: float(seen.transport.command_lag),
         lambda seen, limits: float(limits.lease_samples + 1 if seen.transport.command_lag >= 0 else 0),
-        "the controller's commands have stopped or stand still (samples)",
     ),
     # One sample more than a command: a state may come after the sample that its command was waited for by. Below 0 the state is
     # ahead of the sample, which waited here or on its way; samples that wait for longer than a lease are stale.
@@ -66,20 +63,17 @@ TRANSPORT_RULES = (
         TripCause.CONTROLLER_SILENT,
         lambda seen, _: float(seen.transport.state_lag),
         lambda seen, limits: float(limits.lease_samples + 2 if seen.transport.state_lag >= 0 else -limits.lease_samples),
-        "the controller's states have stopped or stand still (samples)",
     ),
     Rule(
         gate_holds,
         TripCause.GATE_CUT,
         lambda seen, _: float(seen.transport.gate),
         lambda _, __: float(_OPEN),
-        "the gate has cut; its own event says why",
     ),
     Rule(
         controller_ready,
         TripCause.NOT_READY,
         lambda seen, _: 1.0 if seen.transport.ready else 0.0,
         lambda _, __: 1.0,
-        "the controller is not ready: buffers not full, or the reference does not start within 2 counts of the pose",
     ),
 )

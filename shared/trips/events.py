@@ -13,9 +13,9 @@ from hydrohil.shared.contract.messages import (
     Mode,
     ParameterEvent,
     Permit,
-    TripCause,
 )
 from hydrohil.shared.contract.timeliness import LATE_IN_A_ROW
+from hydrohil.shared.trips.causes import cut_happened, trip_words
 from hydrohil.shared.trips.gaps import Counted
 
 Level = Literal["INFO", "WARN", "ERROR"]
@@ -32,15 +32,15 @@ class Event(NamedTuple):
     text: str
 
 
-def _word(members: type[Mode] | type[TripCause] | type[GateState] | type[GateCause], value: int) -> str:
+def _word(members: type[Mode] | type[GateState], value: int) -> str:
     return members(value).name.lower().replace("_", " ") if value in set(members) else str(value)
 
 
 def gate_event(event: GateEvent) -> Event:
     """A decision of the gate."""
     level: Level = "ERROR" if event.state == GateState.REVOKED else "WARN"
-    words = f"gate {_word(GateState, event.state)}: {_word(GateCause, event.cause)}"
-    return Event("gate", level, f"{words}, {event.measured:g} against {event.limit:g}, sample {event.number}")
+    why = "" if event.cause == GateCause.NONE else f": {cut_happened(event.cause, event.measured, event.limit)}"
+    return Event("gate", level, f"gate {_word(GateState, event.state)}{why} (sample {event.number})")
 
 
 def fault_event(event: FaultEvent, service: str) -> Event:
@@ -74,8 +74,8 @@ def permit_events(before: Permit | None, now: Permit) -> list[Event]:
 
 def _mode_event(before: Permit | None, now: Permit) -> Event:
     if now.mode == Mode.TRIPPED:
-        cause = _word(TripCause, now.cause)
-        return Event("supervisor", "ERROR", f"tripped: {cause}, {now.measured:g} against {now.limit:g}, sample {now.trip_number}")
+        words = trip_words(now.cause, now.measured, now.limit, now.trip_number)
+        return Event("supervisor", "ERROR", f"tripped: {words}")
     was = "" if before is None else f"{_word(Mode, before.mode)} -> "
     return Event("supervisor", "INFO", was + _word(Mode, now.mode))
 

@@ -14,7 +14,7 @@ def test_only_changes_are_written_and_the_first_row_is_one():
 
 
 @pytest.mark.parametrize(
-    ("lane", "members"), [("supervisor", Mode), ("trip", TripCause), ("gate", GateState), ("gate cause", GateCause)]
+    ("timeline", "members"), [("supervisor", Mode), ("trip", TripCause), ("gate", GateState), ("gate cause", GateCause)]
 )
 def test_every_mode_has_a_label_of_its_own(timeline: str, members: type):
     found = next(row for rows in STATE_TIMELINES.values() for row in rows if row.title == timeline)
@@ -28,6 +28,6 @@ def test_a_number_without_a_label_is_shown_as_it_is():
 
 
 @pytest.mark.parametrize("message", list(STATE_TIMELINES))
-def test_every_lane_names_a_column_of_its_message(message: type):
+def test_every_timeline_names_a_column_of_its_message(message: type):
     body = next(m.body for m in trial(1) if isinstance(m.body, message))
     assert {timeline.column for timeline in STATE_TIMELINES[message]} <= set(column_names(body))

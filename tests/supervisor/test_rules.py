@@ -7,10 +7,11 @@ from scipy import stats
 
 from hydrohil.services.supervisor.machine import BRAKES, FULL_SPEED
 from hydrohil.services.supervisor.rule import GaugeObservation, Limits, MotionObservation, Observed, TransportObservation
-from hydrohil.services.supervisor.rules import RULES, WORDS, first_broken, fold, trip_words
+from hydrohil.services.supervisor.rules import RULES, first_broken, fold
 from hydrohil.shared.compiled.kernel import compiled
 from hydrohil.shared.contract.deadline_window import RANDOM_MISSES
 from hydrohil.shared.contract.messages import GateState, TripCause
+from hydrohil.shared.trips.causes import TRIPS
 from tests.support.supervisor_scene import CONFIG, FINE, LIMITS, changed
 
 NAN, INF = math.nan, math.inf
@@ -225,8 +226,7 @@ def test_of_several_links_the_one_beyond_is_told():
 def test_the_rows_stand_in_the_order_of_severity_and_every_cause_has_words():
     causes = [int(rule.cause) for rule in RULES]
     assert causes == sorted(set(causes))
-    assert set(WORDS) >= {rule.cause for rule in RULES} | {TripCause.NONE, TripCause.ESTOP}
-    assert all(WORDS[rule.cause] == rule.words for rule in RULES)
+    assert set(TRIPS) == set(causes) | {TripCause.ESTOP}
 
 
 def test_of_several_broken_rows_the_first_decides():
@@ -334,8 +334,3 @@ def test_a_link_that_loses_one_in_a_hundred_runs_and_one_that_loses_one_in_five_
     assert (above_floor > 0.999) if trips else (above_floor < 1e-12)
     without_outage = stats.binom.sf(RANDOM_MISSES, 100, missed)
     assert trips or without_outage < 1e-8
-
-
-def test_a_trip_tells_its_number_and_limit_and_an_emergency_stop_has_none():
-    assert trip_words(TripCause.FORCE_RAW, 431.25, 420.0, 17) == f"{WORDS[TripCause.FORCE_RAW]}: 431.2 against 420 (sample 17)"
-    assert trip_words(TripCause.ESTOP, 0.0, 0.0, 17) == f"{WORDS[TripCause.ESTOP]} (sample 17)"

@@ -33,7 +33,7 @@ def test_a_trial_that_trips_says_why_and_leaves_what_it_did_not_reach_undetermin
     one = plan(set={**plan().campaign.set, "supervisor.force_limit_n": 1.0})
     made = row(one, trial_of(one.campaign, 8))
     assert (made["ended"], made["cause"], made["peak_n"]) == ("tripped", "force_tared", None)
-    assert "against 1" in made["told"] and made["end_s"] < LASTS_S
+    assert "against its limit of 1.0 N" in made["told"] and made["end_s"] < LASTS_S
 
 
 def test_a_trial_that_is_refused_between_the_corners_is_a_row_that_says_so():

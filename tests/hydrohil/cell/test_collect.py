@@ -113,8 +113,8 @@ def trip(*messages: Received) -> str:
 
 
 def test_a_trip_is_told_by_the_permits_though_nobody_answers_requests():
-    assert trip(permit(TripCause.FORCE_TARED)).endswith(": 340 against 334 (sample 91)")
-    assert trip(permit(TripCause.ESTOP)) == "the operator's emergency stop (sample 91)"
+    assert trip(permit(TripCause.FORCE_TARED)).endswith("reached 340.0 N against its limit of 334.0 N (sample 91)")
+    assert trip(permit(TripCause.ESTOP)) == "the operator pressed the emergency stop (sample 91)"
 
 
 def test_neither_another_run_nor_a_supervisor_that_permits_is_a_trip():
@@ -126,13 +126,13 @@ def test_neither_another_run_nor_a_supervisor_that_permits_is_a_trip():
 def test_the_first_cut_of_the_run_is_told_with_its_numbers():
     stale = event(GateState.REVOKED, GateCause.COMMAND_STALE, measured=0.022, limit=0.02)
     assert trip(permit(TripCause.GATE_CUT), stale, event(GateState.REVOKED, GateCause.REVOKED_ARMING)) == (
-        "the gate has cut: the controller's commands have stopped (s): 0.022 against 0.02 (sample 90)"
+        "the gate cut by itself: the command was 0.022 s old against a lease of 0.02 s (sample 90)"
     )
 
 
 def test_neither_another_run_nor_a_gate_that_opens_is_a_cut():
     others = (event(GateState.REVOKED, GateCause.ESTOP, run=RUN + 1), event(GateState.OPEN, GateCause.NONE))
-    assert trip(permit(TripCause.GATE_CUT), *others) == "the gate has cut; its own event says why: 340 against 334 (sample 91)"
+    assert trip(permit(TripCause.GATE_CUT), *others) == "the gate cut by itself (sample 91)"
 
 
 def test_a_collector_that_is_closed_costs_no_later_trial_and_keeps_what_it_heard():

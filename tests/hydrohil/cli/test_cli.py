@@ -73,7 +73,7 @@ def test_a_trip_ends_with_3_and_names_rule_number_and_limit(tmp_path: Path, monk
     monkeypatch.chdir(tmp_path)  # where its report goes
     run = hydrohil("run", "fig-5-5", *LOCAL, "--set", "supervisor.force_limit_n=50.0")
     assert run.exit_code == 3, run.output
-    assert "contact force is above its limit" in run.stdout and "against 50" in run.stdout
+    assert "contact force reached 5" in run.stdout and "N against its limit of 50.0 N" in run.stdout
 
 
 def test_the_report_holds_every_claim_with_its_number(tmp_path: Path):

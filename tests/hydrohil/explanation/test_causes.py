@@ -9,8 +9,8 @@ from hydrohil.shared.errors import HydrohilError
 
 
 def test_a_rule_with_a_unit_has_its_default_limit():
-    assert "limit by default 334.1" in default_limit(TripCause.FORCE_TARED)
-    assert "limit" not in default_limit(TripCause.GATE_CUT)
+    assert default_limit(TripCause.FORCE_TARED) == "334.1 N"
+    assert default_limit(TripCause.GATE_CUT) == ""
     assert default_limit(TripCause.ESTOP) == ""
 
 

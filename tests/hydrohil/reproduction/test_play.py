@@ -55,4 +55,4 @@ def test_a_local_trial_is_played_to_its_end_and_a_trip_is_told_in_words():
     played = play(experiment, 0)
     assert played.counts and played.trace.t_s[-1] > experiment.duration_s - 0.1
     tripped = play(find("fig-5-5")._replace(supervisor=find("fig-5-5").supervisor._replace(force_limit_n=50.0)), 0)
-    assert not tripped.counts and "against 50" in tripped.tripped
+    assert not tripped.counts and "against its limit of 50.0 N" in tripped.tripped

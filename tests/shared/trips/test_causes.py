@@ -3,7 +3,7 @@
 import pytest
 
 from hydrohil.shared.contract.messages import GateCause, TripCause
-from hydrohil.shared.trips.causes import CUTS, TRIPS, cut_happened, trip_happened
+from hydrohil.shared.trips.causes import CUTS, TRIPS, cut_happened, cut_words, trip_happened, trip_words
 
 
 def test_what_happened_has_its_numbers_and_units():
@@ -13,23 +13,35 @@ def test_what_happened_has_its_numbers_and_units():
     assert cut_happened(GateCause.PERMIT_STALE, 0.0215, 0.02) == "the permit was 0.0215 s old against a lease of 0.02 s"
 
 
-@pytest.mark.parametrize(("table", "told"), [(TRIPS, trip_happened), (CUTS, cut_happened)])
-def test_every_row_can_be_told_of_any_number(table, told):
+def test_a_trip_names_its_sample_and_an_emergency_stop_has_no_number():
+    assert trip_words(TripCause.FORCE_RAW, 431.25, 420.0, 17) == (
+        "the raw force reached 431.2 N against its limit of 420.0 N (sample 17)"
+    )
+    assert trip_words(TripCause.ESTOP, 0.0, 0.0, 17) == "the operator pressed the emergency stop (sample 17)"
+
+
+def test_a_cut_names_the_gate_and_its_sample():
+    assert cut_words(GateCause.NO_PERMIT, 0.0, 0.0, 17) == "the gate cut by itself: there was no permit (sample 17)"
+
+
+@pytest.mark.parametrize(("table", "happened"), [(TRIPS, trip_happened), (CUTS, cut_happened)])
+def test_every_row_has_words_for_any_number(table, happened):
     for cause, row in table.items():
-        assert told(cause, float("nan"), float("inf"))
-        assert all(len(words) > 10 and not words.endswith(".") for words in row)
+        assert happened(cause, float("nan"), float("inf"))
+        assert all(len(words) > 10 and not words.endswith(".") for words in row[:3])
 
 
-def test_every_cause_of_a_trip_or_a_cut_is_told_in_words():
+def test_every_cause_of_a_trip_or_a_cut_has_words():
     assert set(TRIPS) == set(TripCause) - {TripCause.NONE}
     assert set(CUTS) == set(GateCause) - {GateCause.NONE}
 
 
-def test_a_cause_without_a_row_is_told_by_its_name(monkeypatch):
-    monkeypatch.delitem(TRIPS, TripCause.JOINT_LIMIT)
-    assert trip_happened(TripCause.JOINT_LIMIT, 2.0, 1.92) == "joint limit: 2 against 1.92"
+def test_a_trip_with_a_limit_has_its_unit_and_says_it():
+    for row in TRIPS.values():
+        assert bool(row.unit) == ("{limit" in row.happened)
+        assert row.unit in row.happened
 
 
-def test_every_cause_has_words():
-    assert set(TRIPS) == set(TripCause) - {TripCause.NONE}
-    assert set(CUTS) == set(GateCause) - {GateCause.NONE}
+def test_a_cause_of_another_version_is_reported_by_its_number():
+    assert trip_happened(99, 2.0, 1.92) == "cause 99: 2 against 1.92"
+    assert cut_happened(99, 2.0, 1.92) == "cause 99: 2 against 1.92"

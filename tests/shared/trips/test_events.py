@@ -15,7 +15,7 @@ def told() -> list[str]:
 
 def test_a_trial_is_told_in_its_modes_and_the_trip_with_its_numbers():
     announced = "trial announced: first sample 1030, 444 ticks of force bias, then 3000"
-    tripped = "tripped: force tared, 341.2 against 334, sample 1484"
+    tripped = "tripped: the contact force reached 341.2 N against its limit of 334.0 N (sample 1484)"
     assert told() == ["disarmed", "disarmed -> armed", announced, "armed -> running", tripped]
 
 
@@ -40,8 +40,15 @@ def test_an_unknown_mode_is_told_as_its_number():
 def test_a_revoked_gate_is_an_error_and_a_shut_one_a_warning():
     event = GateEvent(3, 2, GateState.REVOKED, GateCause.FORCE_ABOVE_LIMIT, 0, 0, 431.9, 420.0)
     assert gate_event(event).level == "ERROR"
-    assert gate_event(event).text == "gate revoked: force above limit, 431.9 against 420, sample 3"
+    assert gate_event(event).text == (
+        "gate revoked: the raw force reached 431.9 N against the gate's own limit of 420.0 N (sample 3)"
+    )
     assert gate_event(event._replace(state=GateState.SHUT)).level == "WARN"
+
+
+def test_a_gate_that_opens_has_no_cause():
+    event = GateEvent(4, 3, GateState.OPEN, GateCause.NONE, 0, 0, 0.0, 0.0)
+    assert gate_event(event).text == "gate open (sample 4)"
 
 
 def test_a_gap_names_the_numbers_that_are_missing():
