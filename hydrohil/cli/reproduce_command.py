@@ -2,6 +2,7 @@
 
 import os
 import time
+from contextlib import ExitStack
 from datetime import datetime
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated, Any
@@ -26,6 +27,7 @@ from hydrohil.shared.exit_status import EXIT_TRANSPORT, EXIT_TRIPPED, EXIT_USAGE
 from hydrohil.shared.transport.bus import DEFAULT_PORT
 
 if TYPE_CHECKING:  # the page's libraries load when it is made
+    from hydrohil.cell.processes import Place
     from hydrohil.reproduction.jobs import Done, Job
     from hydrohil.reproduction.plan import Figure
 
@@ -72,11 +74,8 @@ def reproduce(
         if clock == "local":
             done = _local(groups, seeds, workers or len(os.sched_getaffinity(0)))
         else:
-            from hydrohil.reproduction.live import reproduce_live
-
             options = service_options(permit_ttl_ms, realtime=realtime)
-            place = place_of(cell, port, hosts, router)
-            done = reproduce_live(place, groups, seeds, clock, options, console, unqualified=unqualified)
+            done = _live(place_of(cell, port, hosts, router), options, groups, seeds, clock, unqualified=unqualified)
     except cells.TrippedError as error:
         raise fail(error, EXIT_TRIPPED) from None
     except cells.UnqualifiedError as error:
@@ -126,6 +125,34 @@ def _local(groups: Any, seeds: int, workers: int) -> "list[Done]":
                 progress.update(task, advance=made.job.cost_s, description=made.job.group.figures[0])
         progress.update(task, description="done")
     return done
+
+
+def _live(
+    place: "Place", options: dict[str, list[str]], groups: Any, seeds: int, clock: str, *, unqualified: bool
+) -> "list[Done]":
+    """In a cell, with a bar that knows how long each trial takes."""
+    from rich.progress import BarColumn, Progress, TextColumn, TimeRemainingColumn
+
+    from hydrohil.cell.connection import found_or_own_cell
+    from hydrohil.cell.processes import LOOP
+    from hydrohil.reproduction.live import reproduce_live
+    from hydrohil.reproduction.play import simulated_s
+    from hydrohil.thesis.library import find
+
+    columns = (TextColumn("{task.description}"), BarColumn(), TimeRemainingColumn())
+    with ExitStack() as stack:
+        with console.status("waiting for the cell: it measures this host for two seconds"):
+            bus = stack.enter_context(found_or_own_cell(place, options, LOOP))
+        progress = stack.enter_context(Progress(*columns, console=console))
+        total_s = seeds * sum(simulated_s([find(name)]) for group in groups for name in group.trials)
+        task, before_s = progress.add_task("", total=total_s), 0.0
+
+        def show(name: str, seed: int) -> None:
+            nonlocal before_s
+            progress.update(task, description=f"{name}, seed {seed}", advance=before_s)
+            before_s = simulated_s([find(name)])
+
+        return reproduce_live(bus, groups, seeds, clock, show, unqualified=unqualified)
 
 
 def _finish(

@@ -1,8 +1,8 @@
 """`hydrohil run`: on the local clock in this process, otherwise in a cell that runs or is brought up for the run."""
 
 import time
-from collections.abc import Iterable, Iterator, Sequence
-from contextlib import contextmanager
+from collections.abc import Iterable
+from contextlib import ExitStack
 from pathlib import Path
 from typing import Any, NamedTuple
 
@@ -11,6 +11,7 @@ from rich.markup import escape
 from rich.progress import BarColumn, Progress, TextColumn, TimeRemainingColumn
 
 from hydrohil.cell import processes as cells
+from hydrohil.cell.connection import found_or_own_cell
 from hydrohil.cell.session import Live, run_live
 from hydrohil.cell.trip_file import kept_file
 from hydrohil.claims.claims import Verdict, judge
@@ -19,16 +20,11 @@ from hydrohil.cli.options import writing
 from hydrohil.cli.report import Report, markdown, show_trip
 from hydrohil.experiment.experiment import Experiment, warnings
 from hydrohil.reproduction.play import played
-from hydrohil.shared.contract.topics import SERVICES
 from hydrohil.shared.host.qualified import NOT_QUALIFIED
 from hydrohil.shared.transport.bus import Bus
 from hydrohil.shared.trips.report import Document
 from hydrohil.simulation.rollout import play_local
 from hydrohil.simulation.trip_local import local_report
-
-_POLL_S = 0.05
-_LINKS_S = 0.3  # until the first link to a cell that runs is up
-_PARTIAL_S = 1.5  # for the others
 
 
 class Wanted(NamedTuple):
@@ -64,42 +60,10 @@ def _local(wanted: Wanted, console: Console) -> Report:
 
 
 def _in_cell(place: cells.Place, wanted: Wanted, console: Console) -> Report:
-    with cell_bus(place, SERVICES, wanted.extra, console) as bus:
+    with ExitStack() as stack:
+        with console.status("waiting for the cell: it measures this host for two seconds"):
+            bus = stack.enter_context(found_or_own_cell(place, wanted.extra))
         return _run_and_record(bus, wanted, console)
-
-
-@contextmanager
-def cell_bus(place: cells.Place, services: Sequence[str], extra: dict[str, list[str]], console: Console) -> Iterator[Bus]:
-    """The cell that runs, or one brought up that dies with this process. Raises CellError."""
-    away = place.elsewhere(services)
-    with cells.operator_bus(place) as bus:
-        running = _found(bus, _PARTIAL_S if away else _LINKS_S)
-        if running and running != set(cells.LOOP):
-            missing = sorted(set(cells.LOOP) - running)
-            raise cells.CellError(
-                f"the cell has no {' and no '.join(missing)}: start it (`hydrohil {missing[0]}`), or `hydrohil down`"
-            )
-        started = {}
-        if not running and away:
-            raise cells.CellError(f"no cell answers, and its {', '.join(away)} run elsewhere: start each on its host first")
-        if not running:
-            started = cells.start(place, services, with_parent=True, extra=extra)
-        try:
-            with console.status("waiting for the cell: it measures this host for two seconds"):
-                cells.await_ready(place, bus, started)
-            yield bus
-        finally:
-            cells.stop(process.pid for process in started.values())
-
-
-def _found(bus: Bus, patience_s: float) -> set[str]:
-    """Services of the loop that are there: links to a cell that runs come up one by one, those to one that ends go so."""
-    running: set[str] = set()
-    began = time.monotonic()
-    while running != set(cells.LOOP) and time.monotonic() - began < (_PARTIAL_S if running else patience_s):
-        time.sleep(_POLL_S)
-        running = bus.alive() & set(cells.LOOP)
-    return running
 
 
 def _run_and_record(bus: Bus, wanted: Wanted, console: Console) -> Report:

@@ -2,7 +2,7 @@
 
 import pytest
 
-from hydrohil.cli import run
+from hydrohil.cell import connection
 
 ALL = {"plant", "controller", "supervisor"}
 
@@ -19,9 +19,9 @@ class Network:
 
 @pytest.fixture(autouse=True)
 def fast(monkeypatch):
-    monkeypatch.setattr(run, "_POLL_S", 0.001)
-    monkeypatch.setattr(run, "_LINKS_S", 0.05)
-    monkeypatch.setattr(run, "_PARTIAL_S", 0.1)
+    monkeypatch.setattr(connection, "_POLL_S", 0.001)
+    monkeypatch.setattr(connection, "_LINKS_S", 0.05)
+    monkeypatch.setattr(connection, "_PARTIAL_S", 0.1)
 
 
 @pytest.mark.parametrize(
@@ -36,10 +36,10 @@ def fast(monkeypatch):
     ids=["no cell", "a cell", "links come up", "a cell ends", "a service is missing for good"],
 )
 def test_what_is_found_is_what_stays(looks, found):
-    assert run._found(Network(*looks), run._LINKS_S) == found  # type: ignore[arg-type]
+    assert connection.find_services(Network(*looks)) == found  # type: ignore[arg-type]
 
 
 def test_a_cell_on_other_hosts_may_take_longer_to_be_found():
     late = [set()] * 60 + [ALL]  # a look a millisecond, at best
-    assert run._found(Network(*late), 0.05) == set()  # type: ignore[arg-type]
-    assert run._found(Network(*late), 10.0) == ALL  # type: ignore[arg-type]
+    assert connection.find_services(Network(*late), patience_s=0.05) == set()  # type: ignore[arg-type]
+    assert connection.find_services(Network(*late), patience_s=10.0) == ALL  # type: ignore[arg-type]
