@@ -1,6 +1,5 @@
 """The controller's process: clocked by the samples that it answers."""
 
-import gc
 import os
 import time
 from collections.abc import Callable
@@ -15,11 +14,11 @@ from hydrohil.services.controller.parameter_schedule import ParameterSchedule, s
 from hydrohil.services.controller.preflight import preflight
 from hydrohil.services.controller.step import control_start, control_step
 from hydrohil.shared.contract.codec import Received, encode
-from hydrohil.shared.contract.envelope import Envelope, checked, section, unseal
+from hydrohil.shared.contract.envelope import Envelope, checked, section
 from hydrohil.shared.contract.messages import NO_TRIAL, Command, GateState, PlantDescription, Sample, SampleDropped
 from hydrohil.shared.host.process import options_of, parser, serve
-from hydrohil.shared.host.realtime import set_scheduling, without_realtime
-from hydrohil.shared.transport.bus import Bus, Run
+from hydrohil.shared.host.two_phase_load import Checked, TwoPhaseLoad
+from hydrohil.shared.transport.bus import Bus
 from hydrohil.shared.transport.impairment_queue import Passage
 from hydrohil.shared.transport.link_stats import due, link_stats, told
 from hydrohil.shared.transport.live_faults import LiveFaults
@@ -45,7 +44,7 @@ class Controller:
         self.config, self.first_tick = IDLE, _NO_FIRST_TICK
         self.reference: Reference = ()
         self.parameters = Parameters()
-        self.pending: tuple[Envelope, ControllerConfig, Loaded] | None = None
+        self._loading = TwoPhaseLoad(bus, self.faults, busy=self._busy, check=self._check, take=self._take)
         self.answered, self.tick = 0, NO_TRIAL
         self.revoked = False  # the gate, at the last sample
 
@@ -137,9 +136,9 @@ class Controller:
 
     def _serve(self, request: Request) -> None:
         if request.verb == "load":
-            self._load(request)
+            self._loading.load(request)
         elif request.verb == "commit":
-            self._commit(request)
+            self._loading.commit(request)
         elif request.verb == "status":
             request.reply(self.status())
         elif request.verb == "parameters":
@@ -149,12 +148,11 @@ class Controller:
         else:
             request.refuse(f"the controller knows no request {request.verb!r}")
 
-    @without_realtime()
-    def _load(self, request: Request) -> None:
-        if self.description is None:
-            return request.refuse("the plant has not described itself yet: start it, or wait a second")
+    def _busy(self) -> str:
+        return "the plant has not described itself yet: start it, or wait a second" if self.description is None else ""
+
+    def _check(self, envelope: Envelope, _: dict[str, Any]) -> Checked[Loaded]:
         try:
-            envelope = unseal(str(request.arguments.get("envelope")))
             config = section(envelope, "controller", ControllerConfig)
             reference = section(envelope, "reference", Reference)
             plant = envelope.experiment["plant"]
@@ -164,36 +162,16 @@ class Controller:
             acting = (config, *(after for _, after in waiting))
             for one in acting:
                 check(one, reference, q0_rad, pitch_rad, met)
-            self.faults.loaded(envelope)
-        except (ValueError, LookupError, TypeError, ArithmeticError) as error:  # [plant] is read as it came
-            return request.refuse(str(error))
+        except (LookupError, TypeError, ArithmeticError) as error:  # [plant] is read as it came
+            raise ValueError(str(error)) from error
         loaded = Loaded(ParameterSchedule(config, waiting), reference, q0_rad, pitch_rad, met, envelope.clock == "lockstep")
-        self.pending = (envelope, config, loaded)
-        return request.reply(
-            {
-                "digest": envelope.digest.hex(),
-                "warnings": list(dict.fromkeys(line for one in acting for line in preflight(one, met))),
-            }
-        )
+        return Checked(loaded, {"warnings": list(dict.fromkeys(line for one in acting for line in preflight(one, met)))})
 
-    def _commit(self, request: Request) -> None:
-        if self.pending is None or self.pending[0].digest.hex() != request.arguments.get("digest"):
-            return request.refuse("nothing with this hash was loaded: load it first")
-        envelope, config, loaded = self.pending
-        try:
-            conditions = self.faults.loaded(envelope)  # once more: faults may have been injected since the load
-        except ValueError as error:
-            return request.refuse(str(error))
-        self.config, self.reference = config, loaded.reference
+    def _take(self, envelope: Envelope, loaded: Loaded) -> None:
+        self.config, self.reference = loaded.schedule.loaded, loaded.reference
         self.parameters.load(loaded)
         self.first_tick = -envelope.tare_ticks
         self._prepare()
-        self.bus.run = Run(envelope.run, envelope.digest, 0)
-        self.bus.impair(conditions)
-        self.bus.waits_for_room = envelope.clock == "lockstep"
-        set_scheduling(envelope.clock)
-        gc.collect()
-        return request.reply({"digest": envelope.digest.hex()})
 
     def status(self) -> dict[str, Any]:
         """What an operator wants to know."""

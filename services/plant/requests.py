@@ -1,161 +1,131 @@
 """What an operator may ask of the plant. Loading has two phases; nothing here can open the gate."""
 
-import gc
 import os
-from typing import TYPE_CHECKING, Any
+from collections.abc import Callable
+from typing import Any
 
 from hydrohil.services.plant.config import PlantConfig
+from hydrohil.services.plant.device import Device
+from hydrohil.services.plant.gatekeeper import Gatekeeper
+from hydrohil.services.plant.plant_clock import PlantClock
 from hydrohil.services.plant.plant_description import describe
 from hydrohil.services.plant.trial import Schedule
-from hydrohil.shared.contract.envelope import one_fault, section, unseal
+from hydrohil.shared.contract.envelope import Envelope, one_fault, section
 from hydrohil.shared.contract.faults import MOST_FAULTS, Fault, problem, row_of, ticks_of
-from hydrohil.shared.contract.messages import NO_TRIAL, GateCause
-from hydrohil.shared.host.realtime import set_scheduling, without_realtime
-from hydrohil.shared.transport.bus import Run
-from hydrohil.shared.transport.link_stats import told
+from hydrohil.shared.host.realtime import without_realtime
+from hydrohil.shared.host.two_phase_load import Checked, TwoPhaseLoad
+from hydrohil.shared.transport.bus import Bus
+from hydrohil.shared.transport.live_faults import LiveFaults
 from hydrohil.shared.transport.requests import Request
-from hydrohil.shared.units import SUBSTEP_NS
-
-if TYPE_CHECKING:
-    from hydrohil.services.plant.service import Plant
 
 
-def answer(plant: "Plant", request: Request) -> None:
-    """Answer one request."""
-    known = {
-        "load": _load,
-        "commit": _commit,
-        "estop": _estop,
-        "reset": _reset,
-        "inject": _inject,
-        "clear": _clear,
-        "status": _status,
-    }
-    handler = known.get(request.verb)
-    if handler is None:
-        request.refuse(f"the plant knows no request {request.verb!r}; it knows {', '.join(known)}")
-    else:
-        handler(plant, request)
+class PlantRequests:
+    """Answers the operator's requests, each in its turn between two samples."""
 
+    def __init__(
+        self,
+        bus: Bus,
+        device: Device,
+        keeper: Gatekeeper,
+        clock: PlantClock,
+        faults: LiveFaults,
+        *,
+        loaded: Callable[[], None],
+        status: Callable[[], dict[str, Any]],
+    ) -> None:
+        """`loaded` is called after another experiment was taken over; `status` gives the plant's own part of its status."""
+        self._bus, self._device, self._keeper, self._clock, self._faults = bus, device, keeper, clock, faults
+        self._loaded, self._own_status = loaded, status
+        self._loading = TwoPhaseLoad(bus, faults, busy=self._busy, check=self._check, take=self._take)
+        self._handlers: dict[str, Callable[[Request], None]] = {
+            "load": self._loading.load,
+            "commit": self._loading.commit,
+            "estop": self._estop,
+            "reset": self._reset,
+            "inject": self._inject,
+            "clear": self._clear,
+            "status": self._status,
+        }
 
-def _armed(plant: "Plant") -> bool:
-    """Whether the gate is bound, or a permit that is not stale carries an arming; that of a supervisor that died binds nobody."""
-    if plant.keeper.gate.arming_id != 0:
-        return True
-    permit = plant.keeper.mailbox.observe_permit(plant.now_ns())
-    return permit.arming_id != 0 and 0 <= permit.age_ns <= plant.keeper.limits.permit_ttl_ns
+    def answer(self, request: Request) -> None:
+        """Answer one request."""
+        handler = self._handlers.get(request.verb)
+        if handler is None:
+            request.refuse(f"the plant knows no request {request.verb!r}; it knows {', '.join(self._handlers)}")
+        else:
+            handler(request)
 
+    def _busy(self) -> str:
+        armed = self._keeper.armed(self._clock.now_ns())
+        return "a trial is armed or running: stop it first (`hydrohil stop`)" if armed else ""
 
-def _load(plant: "Plant", request: Request) -> None:
-    if _armed(plant):
-        return request.refuse("a trial is armed or running: stop it first (`hydrohil stop`)")
-    try:
-        with without_realtime():
-            envelope = unseal(str(request.arguments.get("envelope")))
-            schedule = Schedule(section(envelope, "plant", PlantConfig), envelope)
-        describe(schedule.config, plant.keeper.limits)
-        plant.faults.loaded(envelope)
-        if refused := plant.device.refuses(schedule.faults):
+    def _check(self, envelope: Envelope, _: dict[str, Any]) -> Checked[Schedule]:
+        schedule = Schedule(section(envelope, "plant", PlantConfig), envelope)
+        describe(schedule.config, self._keeper.limits)
+        if refused := self._device.refuses(schedule.faults):
             raise ValueError(refused)
-    except ValueError as error:
-        return request.refuse(str(error))
-    plant.pending = schedule
-    return request.reply({"digest": envelope.digest.hex()})
+        return Checked(schedule, {})
 
+    def _take(self, envelope: Envelope, schedule: Schedule) -> None:
+        with without_realtime():  # drawing the noise of ten minutes at 1 kHz takes a tenth of a second
+            self._device.load(schedule.config, envelope.seed, schedule.first_tick, schedule.ticks, schedule.faults)
+        self._clock.load(schedule)
+        self._loaded()
 
-def _commit(plant: "Plant", request: Request) -> None:
-    schedule = plant.pending
-    if schedule is None or schedule.envelope is None or schedule.envelope.digest.hex() != request.arguments.get("digest"):
-        return request.refuse("nothing with this hash was loaded: load it first")
-    if _armed(plant):
-        return request.refuse("a trial is armed or running: stop it first (`hydrohil stop`)")
-    envelope = schedule.envelope
-    try:
-        conditions = plant.faults.loaded(envelope)  # once more: faults may have been injected since the load
-    except ValueError as error:
-        return request.refuse(str(error))
-    with without_realtime():  # the noise of ten minutes at 1 kHz takes a tenth of a second
-        plant.device.load(schedule.config, envelope.seed, schedule.first_tick, schedule.ticks, schedule.faults)
-    plant.schedule = schedule
-    plant.timeline.tick = NO_TRIAL  # nobody answers a sample of the trial before: in lockstep one may be waiting for that
-    plant.bus.run = Run(envelope.run, envelope.digest, 0)
-    plant.bus.impair(conditions)
-    plant.bus.waits_for_room = schedule.lockstep
-    set_scheduling(envelope.clock)
-    gc.collect()
-    plant.grid.restart_at(plant.due)
-    plant.publish_description()
-    return request.reply({"digest": envelope.digest.hex()})
+    def _estop(self, request: Request) -> None:
+        self._keeper.stop(self._clock.now_ns())
+        request.reply(self._codes())
 
+    def _codes(self) -> dict[str, Any]:
+        """Codes that the gate gives, and those that drive the valves; null where the device cannot read them back."""
+        driven = self._device.readback()
+        return {"dac_counts": list(self._keeper.gate.codes), "dac_readback": None if driven is None else list(driven)}
 
-def _estop(plant: "Plant", request: Request) -> None:
-    plant.keeper.estop = True
-    plant.keeper.judge(plant.now_ns(), at_latch=False)
-    request.reply(_codes(plant))
+    def _reset(self, request: Request) -> None:
+        self._keeper.release_stop(self._clock.now_ns())
+        request.reply({})
 
+    def _inject(self, request: Request) -> None:
+        """A fault of the machine acts from the next sample on, or `at_s` later; others break a link to this service, or its pace."""
+        number = self._clock.timeline.number
+        try:
+            fault = one_fault(request.arguments.get("fault"))
+            if not problem(fault) and row_of(fault).group in ("transport", "process"):
+                return self._faults.answer(request, number)
+            if what := problem(fault) or _not_now(fault) or self._device.refuses((fault,)):
+                raise ValueError(what)
+        except ValueError as error:
+            return request.refuse(str(error))
+        acting, waiting = self._device.faults()
+        if len(acting) + len(waiting) >= MOST_FAULTS:
+            return request.refuse(f"{MOST_FAULTS} faults act or wait already: end them first (`hydrohil inject --clear`)")
+        self._device.inject(fault)
+        return request.reply({"number": number + ticks_of(fault, self._clock.period_ns)[0] + 1})
 
-def _codes(plant: "Plant") -> dict[str, Any]:
-    """What the gate gives, and what drives the valves; null where the device cannot read that."""
-    driven = plant.device.readback()
-    return {"dac_counts": list(plant.keeper.gate.codes), "dac_readback": None if driven is None else list(driven)}
+    def _clear(self, request: Request) -> None:
+        """End what was injected by hand; a trial's own faults end with it."""
+        self._device.clear()
+        self._faults.clear()
+        request.reply({})
 
-
-def _reset(plant: "Plant", request: Request) -> None:
-    plant.keeper.estop = False
-    plant.keeper.judge(plant.now_ns(), at_latch=False)
-    request.reply({})
-
-
-def _inject(plant: "Plant", request: Request) -> None:
-    """Break the machine from the next sample on, or `at_s` later; or the ways to this service, or its pace."""
-    try:
-        fault = one_fault(request.arguments.get("fault"))
-        if not problem(fault) and row_of(fault).group in ("transport", "process"):
-            return plant.faults.answer(request, plant.timeline.number)
-        if what := problem(fault) or _not_now(fault) or plant.device.refuses((fault,)):
-            raise ValueError(what)
-    except ValueError as error:
-        return request.refuse(str(error))
-    acting, waiting = plant.device.faults()
-    if len(acting) + len(waiting) >= MOST_FAULTS:
-        return request.refuse(f"{MOST_FAULTS} faults act or wait already: end them first (`hydrohil inject --clear`)")
-    plant.device.inject(fault)
-    return request.reply({"number": plant.timeline.number + ticks_of(fault, plant.schedule.period * SUBSTEP_NS)[0] + 1})
+    def _status(self, request: Request) -> None:
+        acting, waiting = self._device.faults()
+        request.reply(
+            self._own_status()
+            | self._keeper.status()
+            | self._codes()
+            | {
+                "pid": os.getpid(),
+                "injected": self._faults.acting(),
+                "faults": {
+                    "acting": [fault._asdict() for fault in acting],
+                    "waiting": [fault._asdict() for fault in waiting],
+                },
+                "experiment": self._bus.run.experiment.hex(),
+                "run": self._bus.run.run,
+            }
+        )
 
 
 def _not_now(fault: Fault) -> str:
     return "" if fault.at_s >= 0.0 else f"begins {fault.at_s:g} s from now, expected 0 or later"
-
-
-def _clear(plant: "Plant", request: Request) -> None:
-    """End what was injected by hand; a trial's own faults end with it."""
-    plant.device.clear()
-    plant.faults.clear()
-    request.reply({})
-
-
-def _status(plant: "Plant", request: Request) -> None:
-    keeper = plant.keeper
-    values: dict[str, Any] = plant.status()
-    request.reply(
-        values
-        | {
-            "pid": os.getpid(),
-            "gate": keeper.gate.state,
-            "gate_cause": GateCause(keeper.gate.cause).name,
-            **_codes(plant),
-            "last_cut": GateCause(keeper.last_cut).name,
-            "last_cut_ns": keeper.last_cut_ns,
-            "last_cut_clock_ns": keeper.last_cut_clock_ns,
-            "revoked_arming_ids": len(keeper.revoked),
-            "estop": keeper.estop,
-            "injected": plant.faults.acting(),
-            "faults": {
-                name: [fault._asdict() for fault in found]
-                for name, found in zip(("acting", "waiting"), plant.device.faults(), strict=True)
-            },
-            "experiment": plant.bus.run.experiment.hex(),
-            "run": plant.bus.run.run,
-            "link_stats": told((keeper.commands, keeper.permits)),
-        }
-    )

@@ -1,4 +1,4 @@
-"""Warm-up frames: the last sample once more, shortly before the next, so that its way and what answers it have just been used."""
+"""Warm-up frames: the last sample once more, shortly before the next, so that caches hold what sends and answers it."""
 
 import time
 
@@ -6,23 +6,23 @@ from hydrohil.shared.contract.messages import Sample
 from hydrohil.shared.host.clock import Grid, sleep_until
 from hydrohil.shared.transport.bus import Bus
 
-LEADS_NS = (400_000, 200_000)  # before the sample: the first fetches what was displaced, the second finds it fetched
-SLOW = 6  # an answer is slow that comes after the sixth part of the time until the latch
+LEADS_NS = (400_000, 200_000)  # before the sample: the first fills the caches, the second runs with full ones
+SLOW = 6  # an answer is slow if it comes after the sixth part of the time until the latch
 REST = 200  # samples without warm-up frames once two answers in a row were slow: processors are short
 
 
 class Warmups:
-    """Sends them while there is time for it, and while whoever answers keeps up."""
+    """Sends them while there is time, and while the answers are quick."""
 
-    def __init__(self, bus: Bus, grid: Grid, *, wanted: bool) -> None:
-        """None sent."""
+    def __init__(self, bus: Bus, grid: Grid, *, enabled: bool) -> None:
+        """None sent yet; where they are not enabled, none ever is."""
         self._bus, self._grid = bus, grid
-        self._wanted, self._resting, self._slow = wanted, 0, False
+        self._enabled, self._resting, self._slow = enabled, 0, False
         self.sent = 0
 
     def send(self, due: int, last: Sample) -> None:
-        """Those of the sample that is due at sub-step `due`, each at its instant; one whose instant has passed is left out."""
-        if not self._wanted or self._resting:
+        """Send those before the sample due at sub-step `due`, each at its instant; one whose instant has passed is left out."""
+        if not self._enabled or self._resting:
             return
         for lead_ns in LEADS_NS:
             instant_ns = self._grid.instant_ns(due) - lead_ns
@@ -32,6 +32,6 @@ class Warmups:
                 self.sent += 1
 
     def observe(self, after_ns: int, latch_ns: int) -> None:
-        """How long after its sample an answer came; one that was not there at the latch took until then."""
+        """Take in how long after its sample an answer came, in ns; one that was missing at the latch counts as that long."""
         before, self._slow = self._slow, after_ns * SLOW > latch_ns
         self._resting = REST if self._slow and before else max(0, self._resting - 1)

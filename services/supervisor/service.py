@@ -1,10 +1,9 @@
 """The supervisor's process: judges every sample, and its absence; says who may move."""
 
-import gc
 import os
 import time
 from collections.abc import Callable
-from typing import Any
+from typing import Any, NamedTuple
 
 from hydrohil.services.supervisor.config import SupervisorConfig
 from hydrohil.services.supervisor.lockstep_queue import InStep
@@ -15,13 +14,14 @@ from hydrohil.services.supervisor.prearm_checks import Declared, prearm_problem
 from hydrohil.services.supervisor.step import Asked, SupervisorMemory, supervisor_step
 from hydrohil.shared.contract.codec import Received
 from hydrohil.shared.contract.deadline_window import quality
-from hydrohil.shared.contract.envelope import Envelope, section, unseal
+from hydrohil.shared.contract.envelope import Envelope, section
 from hydrohil.shared.contract.messages import NO_COMMAND, Mode, Permit, PlantDescription, SampleDropped, TripCause
 from hydrohil.shared.contract.timeliness import LATE_IN_A_ROW
 from hydrohil.shared.host.process import draw_number, options_of, parser, serve
 from hydrohil.shared.host.qualified import UNKNOWN, Standing, beyond, plain, standing
-from hydrohil.shared.host.realtime import is_fifo, set_scheduling, without_realtime
-from hydrohil.shared.transport.bus import Bus, Run, same_run
+from hydrohil.shared.host.realtime import is_fifo
+from hydrohil.shared.host.two_phase_load import Checked, TwoPhaseLoad
+from hydrohil.shared.transport.bus import Bus, same_run
 from hydrohil.shared.transport.impairment_queue import Passage
 from hydrohil.shared.transport.link_stats import due, link_stats, told
 from hydrohil.shared.transport.live_faults import LiveFaults
@@ -54,6 +54,13 @@ _EXPECTED = {
 }
 
 
+class Loaded(NamedTuple):
+    """An experiment's section, and whether the operator allows a rate that this host is not qualified for."""
+
+    config: SupervisorConfig
+    unqualified: bool
+
+
 class Supervisor:
     """One verdict a sample, one permit a verdict."""
 
@@ -69,7 +76,7 @@ class Supervisor:
         self.description: PlantDescription | None = None
         self.envelope: Envelope | None = None
         self.config = SupervisorConfig()
-        self.pending: tuple[Envelope, SupervisorConfig, bool] | None = None
+        self._loading = TwoPhaseLoad(bus, self.faults, busy=self._busy, check=self._check, take=self._take)
         self.unqualified = False  # the operator wants this run above the qualified rate
         self.asked: list[tuple[Event, Request]] = []
         self.sample: Received | None = None
@@ -240,9 +247,9 @@ class Supervisor:
         if request.verb in _EVENTS:
             return self._queue(request)
         if request.verb == "load":
-            return self._load(request)
+            return self._loading.load(request)
         if request.verb == "commit":
-            return self._commit(request)
+            return self._loading.commit(request)
         if request.verb == "status":
             return request.reply(self.status())
         if request.verb in ("inject", "clear"):
@@ -261,39 +268,20 @@ class Supervisor:
             self._judge(self.sample, 0 if self.sample is None else time.monotonic_ns() - self.sample.arrival_ns)
         return None
 
-    def _load(self, request: Request) -> None:
-        if self.memory.mode != DISARMED:
-            return request.refuse(f"the mode is {Mode(self.memory.mode).name}: stop or reset first")
-        try:
-            with without_realtime():
-                envelope = unseal(str(request.arguments.get("envelope")))
-                config = section(envelope, "supervisor", SupervisorConfig)
-            self.faults.loaded(envelope)
-        except ValueError as error:
-            return request.refuse(str(error))
-        self._look_up()
-        self.pending = (envelope, config, request.arguments.get("unqualified") is True)
-        return request.reply({"digest": envelope.digest.hex(), "qualification": plain(self.qualification)})
+    def _busy(self) -> str:
+        mode = Mode(self.memory.mode)
+        return "" if mode == Mode.DISARMED else f"the mode is {mode.name}: stop or reset first"
 
-    def _commit(self, request: Request) -> None:
-        if self.memory.mode != DISARMED:
-            return request.refuse(f"the mode is {Mode(self.memory.mode).name}: stop or reset first")
-        if self.pending is None or self.pending[0].digest.hex() != request.arguments.get("digest"):
-            return request.refuse("nothing with this hash was loaded: load it first")
-        envelope, config, unqualified = self.pending
-        try:
-            conditions = self.faults.loaded(envelope)  # once more: faults may have been injected since the load
-        except ValueError as error:
-            return request.refuse(str(error))
-        self.envelope, self.config, self.unqualified = envelope, config, unqualified
+    def _check(self, envelope: Envelope, arguments: dict[str, Any]) -> Checked[Loaded]:
+        config = section(envelope, "supervisor", SupervisorConfig)
+        self._look_up()
+        loaded = Loaded(config, unqualified=arguments.get("unqualified") is True)
+        return Checked(loaded, {"qualification": plain(self.qualification)})
+
+    def _take(self, envelope: Envelope, loaded: Loaded) -> None:
+        self.envelope, self.config, self.unqualified = envelope, loaded.config, loaded.unqualified
         self._lockstep_queue.begin(-envelope.tare_ticks if self._lockstep else None)
         self._prepare()
-        self.bus.run = Run(envelope.run, envelope.digest, 0)
-        self.bus.impair(conditions)
-        self.bus.waits_for_room = envelope.clock == "lockstep"
-        set_scheduling(envelope.clock)
-        gc.collect()
-        return request.reply({"digest": envelope.digest.hex()})
 
     def _look_up(self) -> None:
         """What is on record of this host may have changed; while something may move nobody waits for a file."""

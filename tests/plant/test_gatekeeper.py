@@ -17,10 +17,13 @@ MOVING = (2100, 2000, 2048)
 
 class FakeDevice:
     def __init__(self):
-        self.codes = ZERO
+        self.codes, self.watchdog_substeps = ZERO, None
 
     def write(self, codes):
         self.codes = codes
+
+    def watchdog(self, substeps):
+        self.watchdog_substeps = substeps
 
 
 class Scene:
@@ -30,13 +33,13 @@ class Scene:
         self.bus, self.device, self.timeline = FakeBus(), FakeDevice(), Timeline()
         self.keeper = Gatekeeper(self.bus, self.device, self.timeline, GateLimits(), Counters())
         self.timeline.tick = 0
-        self.now_ns = self.seq = 0
+        self.now_ns = self.seq = self.force_counts = 0
         self.late = []
 
     def sample(self, period_ns=4_500_000):
         self.now_ns += period_ns
         self.timeline.number += 1
-        self.keeper.ledger.issue(self.timeline.number, self.timeline.number, self.now_ns)
+        self.keeper.issue_sample(self.timeline.number, self.timeline.number, self.now_ns, self.force_counts)
 
     def echo(self):
         return {"echo_number": self.timeline.number, "echo_time_ns": self.timeline.number}
@@ -111,15 +114,15 @@ def test_a_revoked_arming_never_opens_again_however_many_others_revoked_since():
 def test_neither_a_new_trial_nor_a_reset_of_the_stop_revives_a_revoked_arming():
     scene = Scene()
     scene.run(codes=MOVING)
-    scene.keeper.estop = True
+    scene.keeper.stop(scene.now_ns)
     assert scene.judge().cause == GateCause.ESTOP
-    scene.keeper.estop = False
+    scene.keeper.release_stop(scene.now_ns)
     assert scene.run().cause == GateCause.REVOKED_ARMING
     scene.keeper.begin_trial()
     assert scene.run().cause == GateCause.REVOKED_ARMING
 
 
-def test_a_trial_that_begins_while_the_gate_is_open_cuts_and_burns():
+def test_a_trial_that_begins_while_the_gate_is_open_cuts_and_revokes():
     scene = Scene()
     scene.run(codes=MOVING)
     scene.keeper.begin_trial()
@@ -182,24 +185,24 @@ def test_only_a_command_that_answers_an_older_sample_is_late():
     assert [message.header.echo_number for message in scene.late] == [old["echo_number"]]
 
 
-def test_every_change_of_mind_is_told_once_with_its_numbers():
+def test_every_change_of_the_gate_is_published_once_with_its_numbers():
     scene = Scene()
     scene.run()
     scene.run()
-    scene.keeper.force_counts = 400
+    scene.force_counts = 400
     scene.run()
     scene.run()
-    told = scene.bus.of("plant/gate")
-    assert [event.state for event in told] == [GateState.OPEN, GateState.REVOKED, GateState.REVOKED]
-    assert [event.cause for event in told] == [GateCause.NONE, GateCause.FORCE_ABOVE_LIMIT, GateCause.REVOKED_ARMING]
-    assert told[1].measured == pytest.approx(400 * N_PER_FORCE_COUNT)
-    assert told[1].limit == 420.0
+    events = scene.bus.of("plant/gate")
+    assert [event.state for event in events] == [GateState.OPEN, GateState.REVOKED, GateState.REVOKED]
+    assert [event.cause for event in events] == [GateCause.NONE, GateCause.FORCE_ABOVE_LIMIT, GateCause.REVOKED_ARMING]
+    assert events[1].measured == pytest.approx(400 * N_PER_FORCE_COUNT)
+    assert events[1].limit == 420.0
 
 
 @pytest.mark.parametrize(("counts", "limit"), [(518, 518.0), (-1, 0.0)])
-def test_an_invalid_force_is_told_with_the_limit_it_broke(counts, limit):
+def test_an_invalid_force_is_published_with_the_limit_it_broke(counts, limit):
     scene = Scene()
-    scene.keeper.force_counts = counts
+    scene.force_counts = counts
     assert scene.run().cause == GateCause.FORCE_INVALID
     assert scene.bus.of("plant/gate")[-1][-2:] == (float(counts), limit)
 
@@ -214,7 +217,7 @@ def corrupt(scene, key="controller/command", **changes):
 
 
 @pytest.mark.parametrize("key", ["supervisor/permit", "controller/command"])
-def test_one_corrupt_frame_a_second_is_survived_and_a_second_one_cuts_and_burns(key):
+def test_one_corrupt_frame_a_second_is_survived_and_a_second_one_cuts_and_revokes(key):
     scene = Scene()
     scene.run(codes=MOVING)
     corrupt(scene, key)
@@ -282,13 +285,13 @@ def test_two_controllers_shut_the_gate_before_it_was_ever_open():
     assert scene.run().state == GateState.REVOKED
 
 
-def test_a_cut_tells_what_was_made_of_the_frames_that_came():
+def test_a_cut_publishes_how_many_frames_were_accepted_and_discarded():
     scene = Scene()
     scene.run(codes=MOVING)
     assert not scene.bus.of("plant/link_stats")
     scene.bus.send_bytes("controller/command", b"noise that nobody sent")
-    scene.keeper.estop = True
     scene.judge()
+    scene.keeper.stop(scene.now_ns)
     ((number, (commands, permits)),) = scene.bus.of("plant/link_stats")
     assert number == scene.timeline.number
     assert (commands.topic, commands.accepted, commands.crc) == ("controller/command", 1, 1)
@@ -299,12 +302,122 @@ def test_the_last_cut_is_dated_on_the_plants_grid_and_by_its_clock_and_a_new_tri
     scene = Scene()
     scene.run(codes=MOVING)
     scene.timeline.substep, scene.now_ns = 162, 9_000_000
-    scene.keeper.estop = True
-    scene.judge()
-    keeper = scene.keeper
-    assert (keeper.last_cut, keeper.last_cut_ns, keeper.last_cut_clock_ns) == (GateCause.ESTOP, 162 * SUBSTEP_NS, 9_000_000)
+    scene.keeper.stop(scene.now_ns)
+    assert last_cut(scene.keeper) == ("ESTOP", 162 * SUBSTEP_NS, 9_000_000)
     scene.timeline.substep, scene.now_ns = 163, 9_000_001
     scene.judge()
-    assert (keeper.last_cut_ns, keeper.last_cut_clock_ns) == (162 * SUBSTEP_NS, 9_000_000)
-    keeper.begin_trial()
-    assert (keeper.last_cut, keeper.last_cut_ns, keeper.last_cut_clock_ns) == (GateCause.NONE, 0, 0)
+    assert last_cut(scene.keeper) == ("ESTOP", 162 * SUBSTEP_NS, 9_000_000)
+    scene.keeper.begin_trial()
+    assert last_cut(scene.keeper) == ("NONE", 0, 0)
+
+
+def last_cut(keeper):
+    status = keeper.status()
+    return status["last_cut"], status["last_cut_ns"], status["last_cut_clock_ns"]
+
+
+def test_an_emergency_stop_cuts_at_once_and_its_release_alone_opens_nothing():
+    scene = Scene()
+    scene.run(codes=MOVING)
+    scene.keeper.stop(scene.now_ns)
+    assert (scene.device.codes, scene.keeper.gate.cause, scene.keeper.stop_pressed) == (ZERO, GateCause.ESTOP, True)
+    assert scene.keeper.gate.open_samples == 0
+    scene.keeper.release_stop(scene.now_ns)
+    assert (scene.device.codes, scene.keeper.gate.cause) == (ZERO, GateCause.REVOKED_ARMING)
+    assert not scene.keeper.stop_pressed
+
+
+def test_neither_a_stop_nor_its_release_nor_a_late_command_counts_as_a_sample_of_the_open_gate():
+    scene = Scene()
+    scene.run(codes=MOVING)
+    assert scene.keeper.gate.open_samples == 1
+    scene.keeper.release_stop(scene.now_ns)
+    scene.keeper.judge_late(scene.now_ns, 3)
+    assert scene.keeper.gate.open_samples == 1
+
+
+def test_another_lease_holds_for_permits_and_commands_and_for_the_watchdog_of_the_device():
+    scene = Scene()
+    scene.keeper.set_lease(30 * MS)
+    assert (scene.keeper.limits.permit_ttl_ns, scene.keeper.limits.command_ttl_ns) == (30 * MS, 30 * MS)
+    assert scene.device.watchdog_substeps == 600
+    scene.run(codes=MOVING)
+    scene.now_ns += 30 * MS
+    assert scene.judge().state == GateState.OPEN
+    scene.now_ns += 1
+    assert scene.judge().cause == GateCause.PERMIT_STALE
+
+
+def test_it_is_armed_while_the_gate_is_bound_or_a_fresh_permit_has_an_arming_id():
+    scene = Scene()
+    assert not scene.keeper.armed(scene.now_ns)
+    scene.run()
+    assert scene.keeper.arming_id == 77
+    assert scene.keeper.armed(scene.now_ns + 10**12)  # bound, however old the permit is
+    scene.keeper.stop(scene.now_ns)
+    assert scene.keeper.armed(scene.now_ns) and scene.keeper.armed(scene.now_ns + 20 * MS)
+    assert not scene.keeper.armed(scene.now_ns + 20 * MS + 1)
+    assert not scene.keeper.armed(scene.now_ns - 1)  # its echo is impossible then
+    scene.sample()
+    scene.permit(0, Mode.DISARMED)
+    scene.judge()
+    assert not scene.keeper.armed(scene.now_ns)
+
+
+def test_only_a_permit_to_run_announces_a_trial():
+    scene = Scene()
+    assert scene.keeper.announced_sample() is None
+    scene.sample()
+    scene.permit(mode=Mode.ARMED)
+    scene.judge()
+    assert scene.keeper.announced_sample() is None
+    scene.run()
+    assert scene.keeper.announced_sample() == permit_body().first_sample == 0
+
+
+def test_an_answer_to_a_sample_answers_those_before_it_too():
+    scene = Scene()
+    scene.sample()
+    scene.permit()
+    scene.judge()
+    assert scene.keeper.permit_answers(1) and not scene.keeper.permit_answers(2)
+    assert not scene.keeper.command_answers(1)
+    scene.command()
+    scene.judge()
+    assert scene.keeper.command_answers(0) and scene.keeper.command_answers(1) and not scene.keeper.command_answers(2)
+
+
+def test_the_peers_are_connected_once_a_permit_and_a_command_were_accepted():
+    scene = Scene()
+    assert not scene.keeper.connected
+    scene.sample()
+    scene.permit()
+    scene.judge()
+    assert not scene.keeper.connected
+    scene.command()
+    scene.judge()
+    assert scene.keeper.connected
+    other = Scene()
+    other.sample()
+    other.command()
+    other.judge()
+    assert not other.keeper.connected
+
+
+def test_the_status_reports_gate_and_stop_and_what_was_revoked():
+    scene = Scene()
+    scene.run(codes=MOVING)
+    assert scene.keeper.status() | {"link_stats": {}} == {
+        "gate": GateState.OPEN,
+        "gate_cause": "NONE",
+        "last_cut": "NONE",
+        "last_cut_ns": 0,
+        "last_cut_clock_ns": 0,
+        "revoked_arming_ids": 0,
+        "estop": False,
+        "link_stats": {},
+    }
+    assert set(scene.keeper.status()["link_stats"]) == {"controller/command", "supervisor/permit"}
+    scene.keeper.stop(scene.now_ns)
+    status = scene.keeper.status()
+    assert (status["gate"], status["gate_cause"], status["revoked_arming_ids"], status["estop"]) == (2, "ESTOP", 1, True)

@@ -11,7 +11,7 @@ from tests.support.wire_scene import ZERO, header
 LATCH_NS = 72 * SUBSTEP_NS
 
 
-class InStep(Scene):
+class LockstepScene(Scene):
     """Samples whose time is their number times 4.5 ms, as in lockstep."""
 
     def echo(self):
@@ -20,30 +20,50 @@ class InStep(Scene):
     def sample(self, period_ns=4_500_000):
         self.now_ns += period_ns
         self.timeline.number += 1
-        self.keeper.ledger.issue(self.timeline.number, self.now_ns, self.now_ns)
+        self.keeper.issue_sample(self.timeline.number, self.now_ns, self.now_ns, self.force_counts)
 
     def receive(self):
         self.keeper.receive_lockstep(self.now_ns + LATCH_NS, LATCH_NS, lambda *late: self.late.append(late))
 
-    def passed(self, key, number, **changes):
+    def drop_sample(self, key, number, **changes):
         self.seq += 1
         self.bus.send(key, header(key, self.seq, **changes), SampleDropped(number))
 
 
+SERVICES = ["controller", "supervisor"]
+
+
 def answered(scene):
-    return dict(scene.keeper.dealt_with())
+    """Newest sample that each service has dealt with."""
+    numbers = range(NO_COMMAND, 10)
+    return {name: max(n for n in numbers if name not in scene.keeper.awaited(n)) for name in SERVICES}
 
 
-def test_before_anything_came_nothing_is_told_and_nobody_has_answered():
-    keeper = InStep().keeper
-    assert dict(keeper.dealt_with()) == {"controller": NO_COMMAND, "supervisor": NO_COMMAND}
-    assert (keeper.estop, keeper.force_counts, keeper.late_substeps, keeper.command_age_ns) == (False, 0, 0, 0)
-    assert (keeper.last_cut, keeper.last_cut_ns, keeper.last_cut_clock_ns) == (GateCause.NONE, 0, 0)
-    assert keeper.revoked == frozenset()
+def test_before_anything_came_no_service_has_answered_and_nothing_was_cut():
+    scene = LockstepScene()
+    keeper = scene.keeper
+    assert answered(scene) == {"controller": NO_COMMAND, "supervisor": NO_COMMAND}
+    assert keeper.awaited(0) == SERVICES
+    assert (keeper.stop_pressed, keeper.late_substeps, keeper.command_age_ns) == (False, 0, 0)
+    status = keeper.status()
+    assert (status["last_cut"], status["last_cut_ns"], status["last_cut_clock_ns"]) == ("NONE", 0, 0)
+    assert (keeper.revoked, keeper.arming_id) == (frozenset(), 0)
+    keeper.judge(0, at_latch=True)
+    assert scene.bus.of("plant/gate") == []  # the force of 0 counts that stands before the first sample is valid
+
+
+def test_a_command_that_missed_its_latch_is_reported_late_until_the_next_latch():
+    scene = LockstepScene()
+    scene.keeper.judge_late(0, 5)
+    assert scene.keeper.late_substeps == 5
+    scene.keeper.judge(0, at_latch=False)
+    assert scene.keeper.late_substeps == 5
+    scene.keeper.judge(0, at_latch=True)
+    assert scene.keeper.late_substeps == 0
 
 
 def test_in_lockstep_a_command_is_as_old_as_its_latch_and_its_sender_has_answered():
-    scene = InStep()
+    scene = LockstepScene()
     scene.sample()
     scene.command(MOVING)
     scene.receive()
@@ -58,7 +78,7 @@ def test_in_lockstep_a_command_is_as_old_as_its_latch_and_its_sender_has_answere
 
 @pytest.mark.parametrize(("delay_ns", "is_late"), [(LATCH_NS - 1, False), (LATCH_NS, False), (LATCH_NS + 1, True)])
 def test_in_lockstep_only_a_command_that_a_fault_delays_past_its_latch_is_late(monkeypatch, delay_ns, is_late):
-    scene = InStep()
+    scene = LockstepScene()
     monkeypatch.setattr(scene.keeper.commands, "delay_ns", lambda message: delay_ns)
     scene.sample()
     scene.command(MOVING)
@@ -70,13 +90,13 @@ def test_in_lockstep_only_a_command_that_a_fault_delays_past_its_latch_is_late(m
 @pytest.mark.parametrize(
     ("key", "name"), [("controller/sample_dropped", "controller"), ("supervisor/sample_dropped", "supervisor")]
 )
-def test_a_sample_that_a_fault_took_is_waited_for_no_more_and_a_word_of_another_run_says_nothing(key, name):
-    scene = InStep()
+def test_a_sample_that_a_fault_took_is_awaited_no_more_and_a_report_of_another_run_changes_nothing(key, name):
+    scene = LockstepScene()
     scene.sample()
-    scene.passed(key, 9, run=4)
+    scene.drop_sample(key, 9, run=4)
     scene.receive()
     assert set(answered(scene).values()) == {NO_COMMAND}
-    scene.passed(key, 7)
+    scene.drop_sample(key, 7)
     scene.receive()
     assert answered(scene) == {"controller": NO_COMMAND, "supervisor": NO_COMMAND} | {name: 7}
     scene.permit()
@@ -85,8 +105,8 @@ def test_a_sample_that_a_fault_took_is_waited_for_no_more_and_a_word_of_another_
     assert answered(scene) == {"controller": 1, "supervisor": 1} | {name: 7}
 
 
-def test_an_answer_that_a_fault_holds_is_waited_for_no_more(monkeypatch):
-    scene = InStep()
+def test_an_answer_that_a_fault_holds_is_awaited_no_more(monkeypatch):
+    scene = LockstepScene()
     monkeypatch.setattr(scene.keeper.commands, "arrived", lambda: 5)
     monkeypatch.setattr(scene.keeper.permits, "arrived", lambda: 6)
     assert answered(scene) == {"controller": 5, "supervisor": 6}
@@ -128,15 +148,15 @@ def test_a_plant_that_has_overrun_shuts_the_gate_and_one_that_does_not_say_so_ha
     assert (scene.judge(overrun=True).cause, scene.device.codes) == (GateCause.OVERRUN, ZERO)
 
 
-def test_a_new_trial_counts_its_late_sub_steps_anew_and_burns_nothing_that_was_not_bound():
+def test_a_new_trial_counts_its_late_sub_steps_anew_and_revokes_nothing_that_was_not_bound():
     scene = Scene()
-    scene.keeper.late_substeps = 5
+    scene.keeper.judge_late(0, 5)
     scene.keeper.begin_trial()
     assert (scene.keeper.late_substeps, scene.keeper.revoked, len(scene.keeper.gate.revoked)) == (0, frozenset(), 16)
     assert set(scene.keeper.gate.revoked) == {0}
 
 
-def test_what_the_gate_is_told_again_after_a_trial_began_is_one_of_the_sixteen_that_it_holds():
+def test_an_arming_id_that_the_gate_is_given_again_after_a_trial_began_is_one_of_the_sixteen_that_it_holds():
     scene = Scene()
     for arming_id in range(1, 20):
         scene.run(arming_id)

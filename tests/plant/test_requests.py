@@ -1,27 +1,32 @@
 """What the plant answers when it is asked to break, and a device that cannot."""
 
-from types import SimpleNamespace
+import os
 
 import pytest
 
 from hydrohil.services.plant.config import GateLimits, PlantConfig
-from hydrohil.services.plant.requests import answer
+from hydrohil.services.plant.counters import Counters
+from hydrohil.services.plant.device import Timeline
+from hydrohil.services.plant.gatekeeper import Gatekeeper
+from hydrohil.services.plant.plant_clock import PlantClock
+from hydrohil.services.plant.requests import PlantRequests
 from hydrohil.services.plant.trial import Schedule
 from hydrohil.shared.contract.envelope import seal, unseal
 from hydrohil.shared.contract.faults import MOST_FAULTS, Fault
-from hydrohil.shared.transport.impairment_queue import idle
+from hydrohil.shared.host import realtime, two_phase_load
 from hydrohil.shared.transport.live_faults import LiveFaults
 from hydrohil.shared.transport.requests import Request
+from tests.support.wire_scene import FakeBus
 
 STUCK = {"kind": "stuck", "target": "force"}
 WHOLE = {"plant": {}, "faults": [STUCK]}
 
 
 class Machine:
-    """A device that is told of faults; `reason` is why it takes none."""
+    """A device that keeps its faults and loads; `reason` is why it takes no fault."""
 
     def __init__(self, reason=""):
-        self.reason, self.injected, self.driven = reason, [], None
+        self.reason, self.injected, self.driven, self.loads = reason, [], None, []
 
     def refuses(self, faults):
         return self.reason if faults else ""
@@ -35,41 +40,50 @@ class Machine:
     def faults(self):
         return tuple(self.injected), ()
 
+    def load(self, *arguments):
+        self.loads.append(arguments)
+
+    def write(self, codes):
+        pass
+
     def readback(self):
         return self.driven
 
 
-def plant(device):
-    keeper = SimpleNamespace(
-        gate=SimpleNamespace(arming_id=0),
-        limits=GateLimits(),
-        mailbox=SimpleNamespace(observe_permit=lambda _: SimpleNamespace(arming_id=0, age_ns=0)),
-    )
-    timeline, schedule = SimpleNamespace(number=70), Schedule(PlantConfig())
-    bus = SimpleNamespace(conditions=idle("plant"))
-    return SimpleNamespace(
-        device=device,
-        keeper=keeper,
-        timeline=timeline,
-        schedule=schedule,
-        now_ns=int,
-        bus=bus,
-        faults=LiveFaults(bus),
-        pending=None,
-    )
+class Plant:
+    """Requests to a plant at sample 70 that runs no trial, with a gatekeeper that keeps what it was asked."""
+
+    def __init__(self, device):
+        timeline = Timeline()
+        self.device, self.bus, self.clock = device, FakeBus("plant"), PlantClock(timeline)
+        self.keeper = Gatekeeper(self.bus, device, timeline, GateLimits(), Counters())
+        self.loads = []
+        self.requests = PlantRequests(
+            self.bus,
+            device,
+            self.keeper,
+            self.clock,
+            LiveFaults(self.bus),
+            loaded=lambda: self.loads.append(self.bus.run),
+            status=lambda: {"tick": None},
+        )
+        timeline.number = 70
+
+    def ask(self, verb, **arguments):
+        answers = []
+        self.requests.answer(Request(verb, arguments, lambda *answer: answers.append(answer)))
+        return answers[0]
 
 
 def asked(device, verb, **arguments):
-    told = []
-    answer(plant(device), Request(verb, arguments, lambda *given: told.append(given)))
-    return told[0]
+    return Plant(device).ask(verb, **arguments)
 
 
 def text(experiment, clock="lockstep"):
     return seal(experiment, run=1, seed=1, clock=clock, tare_ticks=100, duration_ticks=50)
 
 
-def test_a_fault_by_hand_begins_at_the_sample_that_is_told():
+def test_a_fault_by_hand_begins_at_the_sample_that_the_answer_names():
     device = Machine()
     assert asked(device, "inject", fault=STUCK) == (True, "", {"number": 71})
     assert asked(device, "inject", fault=STUCK | {"at_s": 0.45}) == (True, "", {"number": 171})
@@ -122,28 +136,74 @@ def test_a_load_with_a_fault_that_its_clock_cannot_play_is_refused():
 
 
 def test_a_lockstep_commit_after_an_injection_is_refused_before_anything_is_loaded():
-    machine, told = plant(Machine()), []
-
-    def ask(verb, **arguments):
-        answer(machine, Request(verb, arguments, lambda *given: told.append(given)))
-        return told[-1]
-
-    digest = ask("load", envelope=text({"plant": {}}))[2]["digest"]
+    plant = Plant(Machine())
+    digest = plant.ask("load", envelope=text({"plant": {}}))[2]["digest"]
     loss = Fault("loss", "supervisor>plant", value=0.5)
-    machine.bus.conditions.inject(((loss, machine.timeline.number),))
-    before = machine.schedule
-    accepted, reason, _ = ask("commit", digest=digest)
+    plant.bus.conditions.inject(((loss, 70),))
+    before = plant.clock.schedule
+    accepted, reason, _ = plant.ask("commit", digest=digest)
     assert not accepted and "--clear" in reason
-    assert machine.schedule is before
+    assert plant.clock.schedule is before and not plant.loads
+
+
+def test_a_commit_loads_the_device_and_describes_the_machine_under_the_new_run():
+    plant = Plant(Machine())
+    digest = plant.ask("load", envelope=text(WHOLE))[2]["digest"]
+    assert plant.device.loads == [] and plant.loads == []
+    assert plant.ask("commit", digest=digest) == (True, "", {"digest": digest})
+    ((config, seed, first_tick, ticks, faults),) = plant.device.loads
+    assert (config, seed, first_tick + ticks, faults) == (PlantConfig(), 1, 50, (Fault("stuck", "force"),))
+    assert plant.clock.schedule.lockstep and [run.run for run in plant.loads] == [1]
+
+
+@pytest.mark.skipif(not hasattr(os, "SCHED_FIFO"), reason="this system has no SCHED_FIFO")
+def test_the_noise_of_a_trial_is_drawn_without_real_time_scheduling(monkeypatch):
+    plant, done = Plant(Machine()), []
+    digest = plant.ask("load", envelope=text(WHOLE))[2]["digest"]
+    monkeypatch.setattr(realtime, "_granted", [realtime.FIFO_PRIORITY])
+    monkeypatch.setattr(two_phase_load, "set_scheduling", lambda clock: None)
+    monkeypatch.setattr(os, "sched_getscheduler", lambda _: os.SCHED_FIFO)
+    monkeypatch.setattr(os, "sched_setscheduler", lambda _, policy, __: done.append(policy))
+    plant.device.load = lambda *_: done.append("noise")
+    assert plant.ask("commit", digest=digest)[0]
+    assert done == [os.SCHED_OTHER, "noise", os.SCHED_FIFO]
+
+
+def test_while_a_trial_is_armed_nothing_is_loaded(monkeypatch):
+    plant = Plant(Machine())
+    digest = plant.ask("load", envelope=text(WHOLE))[2]["digest"]
+    monkeypatch.setattr(plant.keeper, "armed", lambda now_ns: True)
+    refused = (False, "a trial is armed or running: stop it first (`hydrohil stop`)", {})
+    assert plant.ask("load", envelope=text(WHOLE)) == plant.ask("commit", digest=digest) == refused
+    assert plant.device.loads == []
 
 
 @pytest.mark.parametrize("driven", [None, (2048, 2048, 2700)])
-def test_an_emergency_stop_is_judged_by_the_plants_own_clock_and_tells_what_drives_the_valves(driven):
-    machine, told, judged = plant(Machine()), [], []
-    machine.device.driven = driven
-    machine.keeper.judge = lambda now_ns, at_latch: judged.append(now_ns)
-    machine.keeper.gate.codes = (2048, 2048, 2048)
-    machine.now_ns = lambda: 123
-    answer(machine, Request("estop", {}, lambda *given: told.append(given)))
-    assert machine.keeper.estop and judged == [123]
-    assert told == [(True, "", {"dac_counts": [2048] * 3, "dac_readback": driven and list(driven)})]
+def test_an_emergency_stop_is_judged_by_the_plants_own_clock_and_answered_with_what_drives_the_valves(monkeypatch, driven):
+    plant, stopped = Plant(Machine()), []
+    plant.device.driven = driven
+    monkeypatch.setattr(plant.clock, "now_ns", lambda: 123)
+    monkeypatch.setattr(plant.keeper, "stop", stopped.append)
+    assert plant.ask("estop") == (True, "", {"dac_counts": [2048] * 3, "dac_readback": driven and list(driven)})
+    assert stopped == [123]
+
+
+def test_a_reset_releases_the_stop():
+    plant = Plant(Machine())
+    plant.ask("estop")
+    assert plant.ask("status")[2]["estop"]
+    assert plant.ask("reset") == (True, "", {})
+    assert not plant.ask("status")[2]["estop"]
+
+
+def test_the_status_has_the_plants_part_the_gates_and_the_faults():
+    device = Machine()
+    device.injected = [Fault("stuck", "force")]
+    status = asked(device, "status")[2]
+    assert (status["tick"], status["gate_cause"], status["dac_counts"]) == (None, "NO_PERMIT", [2048] * 3)
+    assert [fault["kind"] for fault in status["faults"]["acting"]] == ["stuck"] and status["faults"]["waiting"] == []
+
+
+def test_an_unknown_request_is_refused_with_those_that_there_are():
+    accepted, reason, _ = asked(Machine(), "dance")
+    assert not accepted and "no request 'dance'" in reason and "load, commit, estop" in reason

@@ -1,8 +1,8 @@
-"""The plant's shell on a wall clock that a test turns: when an emergency stop takes effect, and which sample tells it."""
+"""The plant's shell on a wall clock that a test turns: when an emergency stop takes effect, and which sample reports it."""
 
 import pytest
 
-from hydrohil.services.plant import service
+from hydrohil.services.plant import plant_clock, service
 from hydrohil.services.plant import warmup as warmups
 from hydrohil.services.plant.config import GateLimits, PlantConfig
 from hydrohil.services.plant.device import Reading, Timeline
@@ -20,7 +20,7 @@ PERIOD, LATCH = 90, 72  # sub-steps of the thesis' period and of its latch
 LEASE_NS = GateLimits().permit_ttl_ns
 FIRST = 3  # sample of the trial's first tick
 CONFIG = PlantConfig(bias_s=0.11)
-OPENED = FIRST + 24 + 1  # tare ticks before tick 0, and one sample until what its answer opened is told
+OPENED = FIRST + 24 + 1  # tare ticks before tick 0, and one sample until the opened gate is reported
 
 
 class Wall:
@@ -96,49 +96,49 @@ class Scene:
 
     def __init__(self, monkeypatch, clock_name="real", opened=True):
         self.wall, timeline = Wall(), Timeline()
-        for module in (service, warmups, clock, inbox):
+        for module in (plant_clock, service, warmups, clock, inbox):
             monkeypatch.setattr(module, "time", self.wall)
         self.bus, self.device = Peers(self.wall), Device(timeline)
         self.plant = service.Plant(self.bus, self.device, timeline, GateLimits(), lambda: False, LeaseChoice(fixed=True))
         text = seal({}, run=0, seed=0, clock=clock_name, tare_ticks=24, duration_ticks=400)
-        self.plant.schedule = Schedule(CONFIG, unseal(text))
+        self.plant.clock.schedule = Schedule(CONFIG, unseal(text))
         while timeline.number < (OPENED if opened else FIRST - 1):
             self.period()
         assert (self.plant.keeper.gate.state == GateState.OPEN and self.device.written[-1][1] == MOVING) == opened
 
     def period(self):
         self.plant.sample()
-        self.plant.latch()
+        self.plant.update_outputs()
         self.plant.serve()
 
     def asks(self, substep, verb="estop"):
         """A request that arrives at a sub-step of this period's time."""
         query = Query("plant", verb)
-        self.wall.at(self.plant.grid.instant_ns(substep), lambda: self.bus.asked.put(query))
+        self.wall.at(self.plant.clock.grid.instant_ns(substep), lambda: self.bus.asked.put(query))
         return query
 
-    def told(self):
-        """Number of the first sample that tells of the stop, and the codes that it tells."""
+    def reported(self):
+        """Number of the first sample that reports the stop, and its codes."""
         return next((s.number, s.dac_counts) for s in self.bus.of("plant/sample") if s.gate_cause == GateCause.ESTOP)
 
 
 @pytest.mark.parametrize("phase", range(PERIOD))
-def test_an_emergency_stop_takes_effect_at_the_next_sample_or_latch_and_the_sample_at_or_after_that_tells_it(monkeypatch, phase):
+def test_an_emergency_stop_takes_effect_at_the_next_sample_or_latch_and_the_sample_then_or_next_reports_it(monkeypatch, phase):
     scene = Scene(monkeypatch)
-    number, due = scene.plant.timeline.number, scene.plant.due
+    number, due = scene.plant.timeline.number, scene.plant.clock.due
     scene.asks(due + phase)
     scene.period()
     scene.period()
     stopped = due if phase == 0 else due + LATCH if phase <= LATCH else due + PERIOD
     assert scene.device.written[-1] == (stopped, ZERO)
-    assert scene.told() == (number if phase == 0 else number + 1, ZERO)
+    assert scene.reported() == (number if phase == 0 else number + 1, ZERO)
 
 
 def test_an_emergency_stop_waits_for_no_longer_than_the_longer_part_of_the_period(monkeypatch):
     waits = []
     for phase in range(PERIOD):
         scene = Scene(monkeypatch)
-        pressed = scene.plant.due + phase
+        pressed = scene.plant.clock.due + phase
         scene.asks(pressed)
         scene.period()
         scene.period()
@@ -148,7 +148,7 @@ def test_an_emergency_stop_waits_for_no_longer_than_the_longer_part_of_the_perio
 
 def test_the_stop_is_answered_with_the_codes_at_the_converter_and_stays(monkeypatch):
     scene = Scene(monkeypatch)
-    query = scene.asks(scene.plant.due + 1)
+    query = scene.asks(scene.plant.clock.due + 1)
     scene.period()
     assert len(query.replies) == 1 and b'"dac_counts": [2048, 2048, 2048]' in query.replies[0]
     for _ in range(5):
@@ -158,9 +158,9 @@ def test_the_stop_is_answered_with_the_codes_at_the_converter_and_stays(monkeypa
 
 def test_what_is_no_emergency_stop_keeps_the_way_of_sample_and_command_free(monkeypatch):
     scene = Scene(monkeypatch)
-    reset = scene.asks(scene.plant.due - 1, "reset")
+    reset = scene.asks(scene.plant.clock.due - 1, "reset")
     scene.plant.sample()
-    scene.plant.latch()
+    scene.plant.update_outputs()
     assert not reset.replies
     scene.plant.serve()
     assert len(reset.replies) == 1
@@ -171,7 +171,7 @@ def test_a_request_that_only_speaks_of_a_stop_keeps_its_turn(monkeypatch):
     query = Query("plant", "load", envelope="\u05e5estop")
     scene.bus.asked.put(query)
     scene.plant.sample()
-    scene.plant.latch()
+    scene.plant.update_outputs()
     assert scene.plant.keeper.gate.state == GateState.OPEN
     scene.plant.serve()
     assert len(query.replies) == 1
@@ -179,14 +179,14 @@ def test_a_request_that_only_speaks_of_a_stop_keeps_its_turn(monkeypatch):
 
 def test_in_lockstep_a_stop_is_served_while_the_plant_waits_for_an_answer(monkeypatch):
     scene = Scene(monkeypatch)
-    scene.plant.schedule.envelope = scene.plant.schedule.envelope._replace(clock="lockstep")
+    scene.plant.clock.schedule.envelope = scene.plant.clock.schedule.envelope._replace(clock="lockstep")
     scene.bus.answer = lambda sample: None  # nobody answers any more
     query = Query("plant", "estop")
     coming = [query]
     scene.bus.wait = lambda timeout_s: coming and scene.bus.asked.put(coming.pop())
     scene.plant.sample()
-    due = scene.plant.due
-    scene.plant.latch()
+    due = scene.plant.clock.due
+    scene.plant.update_outputs()
     assert len(query.replies) == 1
     assert scene.device.written[-1][1] == ZERO and scene.device.written[-1][0] <= due + LATCH
 
@@ -196,37 +196,37 @@ def test_in_a_trial_on_the_wall_clock_the_last_sample_goes_out_twice_more_after_
     scene.period()
     sent = len(scene.bus.of("plant/warmup"))
     scene.plant.sample()
-    last, warmed_up = scene.bus.of("plant/sample")[-2], scene.bus.of("plant/warmup")[sent:]
-    assert warmed_up == [last, last]
+    last, repeated = scene.bus.of("plant/sample")[-2], scene.bus.of("plant/warmup")[sent:]
+    assert repeated == [last, last]
     assert scene.plant.status()["warmups"] == sent + 2
 
 
-def test_before_a_trial_no_sample_is_warmuped(monkeypatch):
+def test_before_a_trial_no_warmup_frame_is_sent(monkeypatch):
     assert not Scene(monkeypatch, opened=False).bus.of("plant/warmup")
 
 
-def test_in_lockstep_no_sample_is_warmuped(monkeypatch):
+def test_in_lockstep_no_warmup_frame_is_sent(monkeypatch):
     scene = Scene(monkeypatch)
-    scene.plant.schedule.envelope = scene.plant.schedule.envelope._replace(clock="lockstep")
+    scene.plant.clock.schedule.envelope = scene.plant.clock.schedule.envelope._replace(clock="lockstep")
     sent = len(scene.bus.of("plant/warmup"))
     scene.plant.sample()
     assert len(scene.bus.of("plant/warmup")) == sent
 
 
-def test_answers_in_lockstep_which_come_at_the_latch_let_no_warmup_rest(monkeypatch):
+def test_answers_in_lockstep_which_come_at_the_latch_pause_no_warmup_frames(monkeypatch):
     scene = Scene(monkeypatch)
-    real = scene.plant.schedule.envelope
-    scene.plant.schedule.envelope = real._replace(clock="lockstep")
-    scene.plant.keeper.command_age_ns = LATCH * SUBSTEP_NS
+    real = scene.plant.clock.schedule.envelope
+    scene.plant.clock.schedule.envelope = real._replace(clock="lockstep")
+    scene.plant.keeper._command_age_ns = LATCH * SUBSTEP_NS
     for _ in range(2):
         scene.plant._count()
-    scene.plant.schedule.envelope = real
+    scene.plant.clock.schedule.envelope = real
     sent = len(scene.bus.of("plant/warmup"))
     scene.plant.sample()
     assert len(scene.bus.of("plant/warmup")) == sent + 2
 
 
-def test_samples_are_warmuped_no_more_while_they_are_not_answered(monkeypatch):
+def test_no_warmup_frame_is_sent_while_samples_are_not_answered(monkeypatch):
     scene = Scene(monkeypatch)
     scene.bus.answer = lambda sample: None
     scene.period()
@@ -240,20 +240,20 @@ def test_samples_are_warmuped_no_more_while_they_are_not_answered(monkeypatch):
     ("clock_name", "stalled_ns", "revoked"),
     [("real", LEASE_NS, set()), ("real", LEASE_NS + 1, {77}), ("lockstep", LEASE_NS + 1, set())],
 )
-def test_a_stall_before_the_first_tick_burns_the_arming_only_where_the_wall_clock_paces(
+def test_a_stall_before_the_first_tick_revokes_the_arming_only_where_the_wall_clock_paces(
     monkeypatch, clock_name, stalled_ns, revoked
 ):
     scene = Scene(monkeypatch, clock_name, opened=False)
-    due_ns = scene.plant.grid.instant_ns(scene.plant.due)
+    due_ns = scene.plant.clock.grid.instant_ns(scene.plant.clock.due)
     scene.wall.at(due_ns, lambda: setattr(scene.wall, "now_ns", due_ns + stalled_ns))
     scene.plant.sample()
     assert scene.plant.keeper.revoked == revoked
 
 
-def test_a_stall_while_recovering_burns_the_arming_in_a_lockstep_cell_too(monkeypatch):
+def test_a_stall_while_recovering_revokes_the_arming_in_a_lockstep_cell_too(monkeypatch):
     scene = Scene(monkeypatch, "lockstep", opened=False)
-    scene.plant.keeper.gate = scene.plant.keeper.gate._replace(state=int(GateState.RECOVERING), arming_id=77)
-    due_ns = scene.plant.grid.instant_ns(scene.plant.due)
+    scene.plant.keeper._gate = scene.plant.keeper.gate._replace(state=int(GateState.RECOVERING), arming_id=77)
+    due_ns = scene.plant.clock.grid.instant_ns(scene.plant.clock.due)
     scene.wall.at(due_ns, lambda: setattr(scene.wall, "now_ns", due_ns + LEASE_NS + 1))
     scene.plant.sample()
     assert scene.plant.keeper.revoked == {77}

@@ -1,4 +1,4 @@
-"""When the last sample goes out once more: at two instants before the next, while there is time and whoever answers keeps up."""
+"""When the last sample goes out once more: at two instants before the next, while there is time and the answers are quick."""
 
 import pytest
 
@@ -42,62 +42,62 @@ class Bus(FakeBus):
 
 @pytest.fixture
 def wall(monkeypatch):
-    made = Wall()
+    clock_of_test = Wall()
     for module in (warmups, clock):
-        monkeypatch.setattr(module, "time", made)
-    return made
+        monkeypatch.setattr(module, "time", clock_of_test)
+    return clock_of_test
 
 
-def test_each_goes_out_at_its_instant_and_tells_the_last_sample(wall):
+def test_each_goes_out_at_its_instant_and_carries_the_last_sample(wall):
     bus, last = Bus(wall), sample(41)
-    made = Warmups(bus, Grid(), wanted=True)
-    made.send(DUE, last)
+    frames = Warmups(bus, Grid(), enabled=True)
+    frames.send(DUE, last)
     assert bus.sent == [(DUE_NS - lead_ns, "plant/warmup", last, (41, last.time_ns)) for lead_ns in LEADS_NS]
-    assert made.sent == len(LEADS_NS)
+    assert frames.sent == len(LEADS_NS)
 
 
 @pytest.mark.parametrize(("early_ns", "sent"), [(1, 2), (0, 1), (-1, 1), (LEADS_NS[1] - LEADS_NS[0], 0)])
 def test_one_whose_instant_has_passed_is_left_out(wall, early_ns, sent):
     bus, grid = Bus(wall), Grid()
     wall.now_ns = DUE_NS - LEADS_NS[0] - early_ns
-    Warmups(bus, grid, wanted=True).send(DUE, sample(41))
+    Warmups(bus, grid, enabled=True).send(DUE, sample(41))
     assert len(bus.sent) == sent
 
 
-def rested(made, wall, *, after_ns):
+def rested(frames, wall, *, after_ns):
     """Samples until warm-up frames go out again, each answered `after_ns`."""
     for number in range(REST + 2):
-        sent = made.sent
-        made.send(Grid().substep_at(wall.now_ns) + (number + 1) * DUE, sample(number))
-        if made.sent > sent:
+        sent = frames.sent
+        frames.send(Grid().substep_at(wall.now_ns) + (number + 1) * DUE, sample(number))
+        if frames.sent > sent:
             return number
-        made.observe(after_ns, LATCH_NS)
+        frames.observe(after_ns, LATCH_NS)
     return None
 
 
 def test_they_rest_after_two_slow_answers_in_a_row_and_then_come_again(wall):
-    made = Warmups(Bus(wall), Grid(), wanted=True)
-    made.observe(SLOW_NS, LATCH_NS)
-    made.observe(LATCH_NS, LATCH_NS)
-    assert rested(made, wall, after_ns=SLOW_NS - 1) == REST
+    frames = Warmups(Bus(wall), Grid(), enabled=True)
+    frames.observe(SLOW_NS, LATCH_NS)
+    frames.observe(LATCH_NS, LATCH_NS)
+    assert rested(frames, wall, after_ns=SLOW_NS - 1) == REST
 
 
 @pytest.mark.parametrize("answers", [(SLOW_NS,), (SLOW_NS, SLOW_NS - 1, SLOW_NS), (SLOW_NS - 1,) * 9, (LATCH_NS, 0)])
 def test_they_do_not_rest_after_a_single_slow_answer(wall, answers):
-    made = Warmups(Bus(wall), Grid(), wanted=True)
+    frames = Warmups(Bus(wall), Grid(), enabled=True)
     for after_ns in answers:
-        made.observe(after_ns, LATCH_NS)
-    assert rested(made, wall, after_ns=0) == 0
+        frames.observe(after_ns, LATCH_NS)
+    assert rested(frames, wall, after_ns=0) == 0
 
 
 def test_they_go_on_resting_while_answers_stay_slow(wall):
-    made = Warmups(Bus(wall), Grid(), wanted=True)
-    made.observe(SLOW_NS, LATCH_NS)
-    made.observe(SLOW_NS, LATCH_NS)
-    assert rested(made, wall, after_ns=SLOW_NS) is None
+    frames = Warmups(Bus(wall), Grid(), enabled=True)
+    frames.observe(SLOW_NS, LATCH_NS)
+    frames.observe(SLOW_NS, LATCH_NS)
+    assert rested(frames, wall, after_ns=SLOW_NS) is None
 
 
-def test_whoever_wants_none_gets_none(wall):
-    made = Warmups(Bus(wall), Grid(), wanted=False)
-    made.send(DUE, sample(41))
-    assert made.sent == 0 and wall.now_ns == 0
+def test_where_they_are_not_enabled_none_is_sent(wall):
+    frames = Warmups(Bus(wall), Grid(), enabled=False)
+    frames.send(DUE, sample(41))
+    assert frames.sent == 0 and wall.now_ns == 0

@@ -6,7 +6,7 @@ import pytest
 
 from hydrohil.services.supervisor import service
 from hydrohil.services.supervisor.observe import watch_start
-from hydrohil.services.supervisor.service import Supervisor
+from hydrohil.services.supervisor.service import Loaded, Supervisor
 from hydrohil.shared.contract.codec import Received
 from hydrohil.shared.contract.deadline_window import DeadlineWindow
 from hydrohil.shared.contract.envelope import seal
@@ -379,7 +379,7 @@ def test_a_new_load_forgets_the_samples_that_wait():
     scene = InStep()
     scene.sampled(10, -8).judged()
     assert scene.sampled(11, -7).judged() == []
-    scene.supervisor.pending = (scene.supervisor.envelope, scene.supervisor.config, False)
+    scene.supervisor._loading._pending = (scene.supervisor.envelope, Loaded(scene.supervisor.config, unqualified=False))
     scene.commit({"digest": scene.supervisor.envelope.digest.hex()})
     assert scene.answered(10).judged() == []
 
