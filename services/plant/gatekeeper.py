@@ -90,7 +90,7 @@ class Gatekeeper:
         return self.permits.acceptance.accepted > 0 and self.commands.acceptance.accepted > 0
 
     def armed(self, now_ns: int) -> bool:
-        """Whether the gate is bound, or holds a permit with an arming id within its lease: that of a dead supervisor binds nobody."""
+        """Whether the gate is bound, or a permit within its lease has an arming id; that of a dead supervisor binds nobody."""
         if self._gate.arming_id != 0:
             return True
         permit = self._mailbox.observe_permit(now_ns)

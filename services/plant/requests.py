@@ -86,7 +86,7 @@ class PlantRequests:
         request.reply({})
 
     def _inject(self, request: Request) -> None:
-        """A fault of the machine acts from the next sample on, or `at_s` later; others break a link to this service, or its pace."""
+        """Break the machine from the next sample on, or `at_s` later; or a link to this service, or its pace."""
         number = self._clock.timeline.number
         try:
             fault = one_fault(request.arguments.get("fault"))

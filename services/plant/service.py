@@ -246,7 +246,7 @@ class Plant:
             keeper.judge(clock.now_ns(), at_latch=False, overrun=True)
 
     def _serve_stops(self) -> None:
-        """Answer emergency stops, which wait for the next sample or latch at most; a load, which takes long, waits for its turn."""
+        """Answer emergency stops; they wait for the next sample or latch at most, a load, which takes long, for its turn."""
         for request in self.bus.stops():
             self.requests.answer(request)
 
