@@ -16,8 +16,8 @@ from distributed import Client
 
 from hydrohil.campaign.campaign import Plan
 from hydrohil.campaign.cluster import cluster
+from hydrohil.campaign.dispatch import pending, run_trials, trial_s
 from hydrohil.campaign.reading import from_table
-from hydrohil.campaign.run import pending, run, trial_s
 from hydrohil.campaign.store import opened
 from hydrohil.campaign.work import warm
 from hydrohil.simulation.rollout import play_local
@@ -61,7 +61,7 @@ def measured(client: Client, plan: Plan, folder: Path) -> dict[str, float]:
     before_per_s = limit_per_s(client)
     with opened(plan, folder, fresh=True) as store:
         todo, used_s, began = pending(store), processor_s(client), time.perf_counter()
-        run(client, store, todo, trial_s(plan.base), lambda _: None)
+        run_trials(client, store, todo, trial_s(plan.base), lambda _: None)
         wall_s, used_s = time.perf_counter() - began, processor_s(client) - used_s
         finished = store.finish().num_rows
     limit = (before_per_s + limit_per_s(client)) / 2.0

@@ -1,4 +1,4 @@
-"""What a parameter is swept over: a grid, a list, or a distribution that is drawn from once a repeat.
+"""The values of one swept parameter: a grid, a list, or a distribution that is drawn from once a repeat.
 
 A draw is a function of (seed of the campaign, name of the axis, repeat) alone: it does not change when another axis is
 added, and every point of the grids meets the same draws, so that two laws are tried on the same plants.
@@ -70,7 +70,7 @@ KINDS = ("grid", "list", "normal", "uniform", "lognormal")
 
 
 def distribution(axis: Axis) -> Drawn | None:
-    """What it is drawn from; None for a grid or a list."""
+    """The distribution of the axis; None for a grid or a list."""
     return axis.normal or axis.uniform or axis.lognormal
 
 

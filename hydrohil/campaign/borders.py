@@ -1,4 +1,4 @@
-"""What is predicted, as lines to draw over a map of what was simulated."""
+"""Predicted borders, as lines over a map of simulated trials."""
 
 from typing import NamedTuple
 
@@ -15,7 +15,7 @@ BORDERS = (("cannot cycle above: k = 2 k_eff", LEAST, MOST), ("must cycle below:
 
 
 class Line(NamedTuple):
-    """One border: its words and its course."""
+    """One border: its label and its points."""
 
     words: str
     x: Reals
@@ -42,8 +42,8 @@ def border_lines(plan: Plan, picture: Picture, x: Reals, y: Reals) -> list[Line]
     gauge = plan.base.plant.machine.sensor_stiffness_n_per_m
     plate_is_x = leads_to(picture.x, plan.campaign.sweep[picture.x], ENVIRONMENT)
     known = x if plate_is_x else y
-    plate, made = np.geomspace(known[0], known[-1], POINTS), []
+    plate, lines = np.geomspace(known[0], known[-1], POINTS), []
     for words, alpha, beta in BORDERS:
         border = np.array([least_stable_n_per_m(k * gauge / (k + gauge), alpha, beta) for k in plate])
-        made.append(Line(words, plate, border) if plate_is_x else Line(words, border, plate))
-    return made
+        lines.append(Line(words, plate, border) if plate_is_x else Line(words, border, plate))
+    return lines

@@ -16,7 +16,7 @@ from hydrohil.experiment.experiment import Experiment, Name, to_bytes, to_plain
 
 MAX_SEED = 2**53
 MAX_REPEATS = 10**7
-FIXED = ("trial", "point", "repeat", "seed", "ended", "cause", "told", "end_s")  # columns that every table has
+FIXED = ("trial", "point", "repeat", "seed", "ended", "cause", "message", "end_s")  # columns that every table has
 
 
 class Measure(NamedTuple):
@@ -42,7 +42,7 @@ class Picture(NamedTuple):
 
 
 class Campaign(NamedTuple):
-    """What a file says."""
+    """The content of a campaign file."""
 
     name: Name
     title: str

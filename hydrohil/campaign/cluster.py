@@ -1,4 +1,4 @@
-"""Who computes: a Dask cluster of one process a core on this machine, or the one at an address."""
+"""The Dask cluster that computes: one process a core on this machine, or the cluster at an address."""
 
 import logging
 import signal
@@ -12,7 +12,7 @@ from distributed import Client, LocalCluster
 from hydrohil.shared.errors import HydrohilError
 
 _CONNECT_S, _WORKERS_S = 10.0, 30.0
-_QUIET = {  # what a scheduler and workers do beside the work: sampled stacks, ticks, a page
+_QUIET = {  # switched off: what a scheduler and workers do beside the work (sampled stacks, ticks, a page)
     "distributed.worker.profile.enabled": False,
     "distributed.admin.tick.interval": "1s",
     "distributed.admin.tick.limit": "1h",
@@ -24,7 +24,7 @@ _QUIET = {  # what a scheduler and workers do beside the work: sampled stacks, t
 
 
 class ClusterError(HydrohilError):
-    """There is nobody to compute, or they were lost; one line that says what to do."""
+    """There are no workers, or they were lost; one line that says what to do."""
 
 
 @contextmanager
@@ -38,9 +38,9 @@ def cluster(workers: int, address: str | None) -> Iterator[Client]:
 @contextmanager
 def _local(workers: int) -> Iterator[Client]:
     with dask.config.set(_QUIET):
-        before = signal.pthread_sigmask(signal.SIG_BLOCK, {signal.SIGINT})  # Ctrl-C is for the one who started them
+        before = signal.pthread_sigmask(signal.SIG_BLOCK, {signal.SIGINT})  # Ctrl-C ends their parent, and so them
         try:
-            made = LocalCluster(
+            local = LocalCluster(
                 n_workers=workers,
                 threads_per_worker=1,
                 processes=True,
@@ -51,7 +51,7 @@ def _local(workers: int) -> Iterator[Client]:
             )
         finally:
             signal.pthread_sigmask(signal.SIG_SETMASK, before)
-        with made, Client(made, set_as_default=False) as client:
+        with local, Client(local, set_as_default=False) as client:
             yield client
 
 

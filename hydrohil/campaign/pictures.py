@@ -22,15 +22,15 @@ BORDERS = ("#e0701a", "#d1495b", "#8e6bbf")
 
 def draw_all(plan: Plan, table: pa.Table, folder: Path) -> list[Path]:
     """Every picture of the campaign; returns where they are. Raises OSError."""
-    made = []
+    files = []
     for name, picture in plan.campaign.pictures.items():
         canvas = Figure(figsize=SIZE_IN, layout="constrained")
         axes = canvas.subplots()
         _KINDS[picture.kind](axes, plan, picture, table)
         axes.set_title(picture.title or f"{plan.campaign.title}: {name}", loc="left", fontsize=10.0)
-        made.append(folder / f"{plan.campaign.name}-{name}.png")
-        canvas.savefig(made[-1], dpi=DOTS_PER_IN)
-    return made
+        files.append(folder / f"{plan.campaign.name}-{name}.png")
+        canvas.savefig(files[-1], dpi=DOTS_PER_IN)
+    return files
 
 
 def numbers(table: pa.Table, name: str) -> Reals:
@@ -49,23 +49,22 @@ def grid_of(plan: Plan, picture: Picture, table: pa.Table) -> tuple[Reals, Reals
     """x (m,), y (n,) and the mean of the column over everything else, (n, m); NaN where no trial determines it."""
     x, y = (np.array(values(plan.campaign.sweep[name]), dtype=np.float64) for name in (picture.x, picture.y))
     x, y = np.sort(x), np.sort(y)
-    seen, place = numbers(table, picture.of), np.zeros((2, table.num_rows), dtype=np.int64)
-    for row, (name, known) in enumerate(((picture.x, x), (picture.y, y))):
-        place[row] = np.searchsorted(known, numbers(table, name))
-    total, number = np.zeros((len(y), len(x))), np.zeros((len(y), len(x)))
-    there = np.isfinite(seen)
-    np.add.at(total, (place[1][there], place[0][there]), seen[there])
-    np.add.at(number, (place[1][there], place[0][there]), 1.0)
-    return x, y, np.divide(total, number, out=np.full_like(total, np.nan), where=number > 0.0)
+    column = numbers(table, picture.of)
+    determined = np.isfinite(column)
+    cell = tuple(np.searchsorted(known, numbers(table, name))[determined] for name, known in ((picture.y, y), (picture.x, x)))
+    total, count = np.zeros((len(y), len(x))), np.zeros((len(y), len(x)))
+    np.add.at(total, cell, column[determined])
+    np.add.at(count, cell, 1.0)
+    return x, y, np.divide(total, count, out=np.full_like(total, np.nan), where=count > 0.0)
 
 
 def edges(centres: Reals, log: bool) -> Reals:
     """(n + 1,) borders of the cells about two or more ascending `centres` (n,): halfway, on a log scale by the logarithm."""
-    seen = np.log(centres) if log else centres
-    halfway = (seen[1:] + seen[:-1]) / 2.0
-    ends = np.concatenate(([2.0 * seen[0] - halfway[0]], halfway, [2.0 * seen[-1] - halfway[-1]]))
-    made: Reals = np.exp(ends) if log else ends
-    return made
+    scale = np.log(centres) if log else centres
+    halfway = (scale[1:] + scale[:-1]) / 2.0
+    borders = np.concatenate(([2.0 * scale[0] - halfway[0]], halfway, [2.0 * scale[-1] - halfway[-1]]))
+    on_the_axis: Reals = np.exp(borders) if log else borders
+    return on_the_axis
 
 
 def _is_log(plan: Plan, name: str) -> bool:
@@ -98,9 +97,9 @@ def _map(axes: Axes, plan: Plan, picture: Picture, table: pa.Table) -> None:
 def _distribution(axes: Axes, plan: Plan, picture: Picture, table: pa.Table) -> None:
     """Share of trials up to each value, one curve a value of `by`; what is not determined counts, and leaves a curve below 1."""
     groups = table.column(picture.by).to_pylist() if picture.by else [""] * table.num_rows
-    seen = numbers(table, picture.of)
+    column = numbers(table, picture.of)
     for group in dict.fromkeys(groups):
-        chosen = seen[[one == group for one in groups]]
+        chosen = column[[one == group for one in groups]]
         known = np.sort(chosen[np.isfinite(chosen)])
         words = f"{picture.by} = {group}, {len(chosen)} trials" if picture.by else f"{len(chosen)} trials"
         missing = len(chosen) - len(known)

@@ -88,8 +88,8 @@ def _column_problems(campaign: Campaign) -> list[str]:
 def _picture_problems(campaign: Campaign) -> list[str]:
     known, found = columns_of(campaign), []
     for name, picture in campaign.pictures.items():
-        wanted = {"map": ("of", "x", "y"), "distribution": ("of",)}[picture.kind]
-        used = [field for field in ("of", "x", "y", "by") if field in wanted or getattr(picture, field)]
+        required = {"map": ("of", "x", "y"), "distribution": ("of",)}[picture.kind]
+        used = [field for field in ("of", "x", "y", "by") if field in required or getattr(picture, field)]
         for field in used:
             if getattr(picture, field) not in known:
                 hint = nearest(getattr(picture, field), known)

@@ -1,62 +1,128 @@
-"""A campaign from where it stands to its end: chunks to workers, their rows to the store as they come."""
+"""A campaign from its file to its table and pictures, in one call."""
 
+import os
+import time
 from collections.abc import Callable
-from itertools import islice
+from pathlib import Path
+from typing import TYPE_CHECKING, Any, NamedTuple
 
-from distributed import CancelledError, Client, KilledWorker, as_completed
-from distributed.comm import CommClosedError
-
-from hydrohil.campaign.cluster import ClusterError, hosts, slots
-from hydrohil.campaign.store import Store
-from hydrohil.campaign.trials import count
-from hydrohil.campaign.work import Chunk, OtherSourcesError, Row, chunks, warm, work
+from hydrohil.campaign.campaign import Plan
+from hydrohil.campaign.cluster import cluster
+from hydrohil.campaign.dispatch import pending, run_trials, trial_s
+from hydrohil.campaign.pictures import draw_all
+from hydrohil.campaign.reading import find_campaign
+from hydrohil.campaign.store import Store, StoreError, opened
+from hydrohil.campaign.summary import summary
+from hydrohil.campaign.table import known_identity
+from hydrohil.campaign.trials import count, validate
+from hydrohil.campaign.work import COMPLETED, Row
 from hydrohil.experiment.experiment import Experiment
 
-TIMES_REAL_TIME = 900.0  # of one core, roughly: for the size of a chunk and the time that it takes
-OVERHEAD_S = 0.002  # of a trial, beside its kernel
-CHUNK_S = 2.0  # of work in a task: far more than the few ms that a scheduler takes, far less than anybody minds to lose
-MOST_PARTS = 10_000  # files of a campaign: of one that takes many hours a task is longer
-AHEAD = 2  # chunks a worker has waiting
-LOST = "what is finished is kept, and the same command goes on"
+if TYPE_CHECKING:
+    import pyarrow as pa
 
 
-def trial_s(experiment: Experiment) -> float:
-    """About how long a trial takes one core."""
-    return OVERHEAD_S + (experiment.duration_s + experiment.plant.bias_s) / TIMES_REAL_TIME
+class CampaignProgress(NamedTuple):
+    """How far a campaign has come; reported at the start and after every chunk."""
+
+    trials: int  # of the whole campaign
+    finished: int  # of them, on the disk
+    resumed: int  # of them, from an earlier run of the same campaign
+    incomplete: int  # tripped or refused in this run
+    trials_per_s: float  # of this run; 0 before its first chunk
 
 
-def pending(store: Store) -> list[int]:
-    """Trials that no part has."""
-    kept = set(store.kept().column("trial").to_pylist())
-    return [number for number in range(count(store.plan.campaign)) if number not in kept]
+class CampaignResult(NamedTuple):
+    """A campaign whose every trial has its row."""
+
+    plan: Plan
+    table: "pa.Table"  # a row a trial; the metadata of a column hold its unit, metric or claim
+    table_file: Path
+    pictures: tuple[Path, ...]
+    ran: int  # trials that this call has run; the others were there
+    wall_s: float  # of running them
+
+    def to_pandas(self) -> Any:
+        """The table as a pandas.DataFrame; needs pandas."""
+        return self.table.to_pandas()
+
+    def summary(self) -> dict[str, Any]:
+        """Identity, files, speed, how trials ended, spread of each metric, how often each claim holds; ready for JSON."""
+        return {
+            "name": self.plan.campaign.name,
+            **known_identity(self.table.schema),
+            "table": str(self.table_file),
+            "pictures": [str(path) for path in self.pictures],
+            "ran_now": self.ran,
+            "wall_s": self.wall_s,
+            "trials_per_s": self.ran / self.wall_s,
+            **summary(self.plan, self.table),
+        }
 
 
-def chunk_size(one_trial_s: float, trials: int, workers: int) -> int:
-    """Trials in a task: about two seconds of work, not too many files, and several tasks for every worker."""
-    return max(1, min(max(int(CHUNK_S / one_trial_s), trials // MOST_PARTS), trials // (4 * workers)))
+def run_campaign(
+    campaign: str | Path | Plan,
+    folder: str | Path,
+    *,
+    workers: int | None = None,
+    scheduler: str | None = None,
+    fresh: bool = False,
+    report: Callable[[CampaignProgress], None] = lambda _: None,
+) -> CampaignResult:
+    """Run every trial of a campaign that `folder` does not hold yet; write NAME.parquet and the pictures there.
+
+    `campaign` is the name of one that ships, the path of a TOML file, or a plan. The trials are computed by `workers` processes
+    (default: one a core), or by the Dask cluster whose `scheduler` has this address. Local workers import the main module again:
+    a script calls this under `if __name__ == "__main__":`. `fresh` forgets what is finished. `report` gets the progress.
+
+    Trips and failed claims are results and raise nothing. Raises ExperimentError where the campaign or one of its corners is not
+    valid, StoreError where the folder cannot take it, ClusterError where there are no workers or they are lost. KeyboardInterrupt
+    passes through. Whatever ends it, finished trials are kept, and the same call goes on.
+    """
+    plan = campaign if isinstance(campaign, Plan) else find_campaign(str(campaign))
+    longest, folder = validate(plan), Path(folder)
+    began = time.perf_counter()
+    with opened(plan, folder, fresh=fresh) as store:
+        table, ran = store.finished(), 0
+        if table is None:
+            ran = _run_missing(store, longest, workers, scheduler, report)
+            table = store.finish()
+        wall_s = time.perf_counter() - began
+        try:
+            pictures = draw_all(plan, table, folder)
+        except OSError as reason:
+            why = reason.strerror or reason
+            raise StoreError(f"{folder}: a picture cannot be written ({why}): the table is whole; make room") from None
+        return CampaignResult(plan, table, store.final, tuple(pictures), ran, wall_s)
 
 
-def run(client: Client, store: Store, todo: list[int], one_trial_s: float, tell: Callable[[list[Row]], None]) -> None:
-    """Run the trials `todo`; `tell` hears of every chunk that is kept. Raises ClusterError."""
-    try:
-        for host in hosts(client):  # compiled once on each before the others need it
-            client.submit(warm, store.plan, workers=[host], pure=False).result()
-        _run(client, store, chunks(todo, chunk_size(one_trial_s, len(todo), max(1, slots(client)))), tell)
-    except OtherSourcesError as reason:
-        raise ClusterError(f"a worker runs another version ({reason}): install this one there, and start it again") from None
-    except ModuleNotFoundError as reason:
-        raise ClusterError(f"a worker lacks this project or a package of it ({reason}): install it there") from None
-    except KilledWorker:
-        raise ClusterError(f"workers die of the same chunk: is there memory enough? try --workers 1; {LOST}") from None
-    except (CancelledError, CommClosedError, OSError) as reason:
-        raise ClusterError(f"the cluster was lost ({str(reason) or type(reason).__name__}): {LOST}") from None
+def _run_missing(
+    store: Store,
+    longest: Experiment,
+    workers: int | None,
+    scheduler: str | None,
+    report: Callable[[CampaignProgress], None],
+) -> int:
+    """Run the trials that no part has; returns how many there were."""
+    numbers, trials = pending(store), count(store.plan.campaign)
+    resumed = trials - len(numbers)
+    progress = CampaignProgress(trials, finished=resumed, resumed=resumed, incomplete=0, trials_per_s=0.0)
+    report(progress)
+    if not numbers:
+        return 0
+    processes = min(workers or len(os.sched_getaffinity(0)), len(numbers))
+    with cluster(processes, scheduler) as client:
+        began = time.perf_counter()
 
+        def kept(rows: list[Row]) -> None:
+            nonlocal progress
+            finished = progress.finished + len(rows)
+            progress = progress._replace(
+                finished=finished,
+                incomplete=progress.incomplete + sum(row["ended"] != COMPLETED for row in rows),
+                trials_per_s=(finished - resumed) / (time.perf_counter() - began),
+            )
+            report(progress)
 
-def _run(client: Client, store: Store, todo: list[tuple[int, ...]], tell: Callable[[list[Row]], None]) -> None:
-    waiting = (client.submit(work, Chunk(store.plan, store.sources, numbers), pure=False) for numbers in todo)
-    coming = as_completed(list(islice(waiting, (1 + AHEAD) * max(1, slots(client)))), loop=client.loop)
-    for future in coming:
-        rows = future.result()
-        coming.update(islice(waiting, 1))
-        store.keep(rows)
-        tell(rows)
+        run_trials(client, store, numbers, trial_s(longest), kept)
+    return len(numbers)

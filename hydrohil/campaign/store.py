@@ -1,4 +1,4 @@
-"""Where a campaign's rows are kept: a part a finished chunk, then one Parquet file; a kill at any instant loses no part.
+"""The rows of a campaign on the disk: a part for each finished chunk, then one Parquet file; a kill loses no part.
 
 A part is written under another name, brought to the disk and renamed, so that it is there whole or not at all; the file is
 put together likewise. Both know which campaign, sources and seed they are of: nothing is mixed.
@@ -62,20 +62,20 @@ class Store(NamedTuple):
 
     def keep(self, rows: list[Row]) -> None:
         """One part of rows that no other part has."""
-        made = table(rows, self.columns)
+        part = table(rows, self.columns)
 
         def write(path: Path) -> None:
             with pa.OSFile(str(path), "wb") as sink, pa.ipc.new_file(sink, self.columns) as writer:
-                writer.write_table(made)
+                writer.write_table(part)
 
         _whole(self.parts / f"{rows[0]['trial']:012d}.arrow", write)
 
     def finish(self) -> pa.Table:
         """One file of all parts, in the order of the trials; then the parts go."""
-        made = self.kept().sort_by("trial").combine_chunks()
-        _whole(self.final, lambda path: pq.write_table(made, path, compression="zstd"))
+        whole = self.kept().sort_by("trial").combine_chunks()
+        _whole(self.final, lambda path: pq.write_table(whole, path, compression="zstd"))
         shutil.rmtree(self.parts)
-        return made
+        return whole
 
 
 def _whole(path: Path, write: Callable[[Path], None]) -> None:
@@ -93,8 +93,11 @@ def _whole(path: Path, write: Callable[[Path], None]) -> None:
 
 @contextmanager
 def opened(plan: Plan, folder: Path, *, fresh: bool) -> Iterator[Store]:
-    """The folder, locked. Raises StoreError if it holds something else, or another process is at work; OSError."""
-    folder.mkdir(parents=True, exist_ok=True)
+    """The folder, locked. Raises StoreError if it holds something else, or another process is at work."""
+    try:
+        folder.mkdir(parents=True, exist_ok=True)
+    except OSError as reason:
+        raise StoreError(f"{folder}: cannot be made ({reason.strerror or reason}): name another folder") from None
     name = plan.campaign.name
     with (folder / f".{name}.lock").open("w") as lock:
         try:
@@ -102,35 +105,41 @@ def opened(plan: Plan, folder: Path, *, fresh: bool) -> Iterator[Store]:
         except BlockingIOError:
             raise StoreError(f"{folder}: another process runs this campaign there: wait for it, or name another --out") from None
         sources = source_version()
-        made = Store(plan, sources, folder / f"{name}.parquet", folder / f".{name}.parts", schema(plan, sources))
+        store = Store(
+            plan=plan,
+            sources=sources,
+            final=folder / f"{name}.parquet",
+            parts=folder / f".{name}.parts",
+            columns=schema(plan, sources),
+        )
         if fresh:
-            made.final.unlink(missing_ok=True)
-            shutil.rmtree(made.parts, ignore_errors=True)
-        _check(made)
-        yield made
+            store.final.unlink(missing_ok=True)
+            shutil.rmtree(store.parts, ignore_errors=True)
+        _check(store)
+        yield store
 
 
 def _check(store: Store) -> None:
-    """Refuse rows of something else; a folder that is new learns what it is of."""
-    wanted, mark = identity(store.plan, store.sources), store.parts / "identity.json"
+    """Refuse rows of something else; write the identity into a folder that is new."""
+    required, mark = identity(store.plan, store.sources), store.parts / "identity.json"
     if store.final.exists():
         try:
-            _same(known_identity(pq.read_schema(store.final)), wanted, store.final)
+            _same(known_identity(pq.read_schema(store.final)), required, store.final)
         except pa.ArrowInvalid:
             raise StoreError(f"{store.final}: is no Parquet file: {AGAIN}") from None
         shutil.rmtree(store.parts, ignore_errors=True)  # killed between the file and the end of its parts
         return
     if mark.exists() and any(store.parts.glob(PARTS)):
-        _same(json.loads(mark.read_text()), wanted, store.parts)
+        _same(json.loads(mark.read_text()), required, store.parts)
     store.parts.mkdir(exist_ok=True)
-    _whole(mark, lambda path: _write_text(path, json.dumps(wanted)))
+    _whole(mark, lambda path: _write_text(path, json.dumps(required)))
 
 
 def _write_text(path: Path, text: str) -> None:
     path.write_text(text)
 
 
-def _same(found: dict[str, Any], wanted: dict[str, Any], where: Path) -> None:
+def _same(found: dict[str, Any], required: dict[str, Any], where: Path) -> None:
     for key, words in _WORDS.items():
-        if found.get(key) != wanted[key]:
-            raise StoreError(f"{where}: holds trials of {words} ({key} {found.get(key)}, now {wanted[key]}): {AGAIN}")
+        if found.get(key) != required[key]:
+            raise StoreError(f"{where}: holds trials of {words} ({key} {found.get(key)}, now {required[key]}): {AGAIN}")

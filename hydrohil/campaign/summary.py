@@ -1,4 +1,4 @@
-"""What a finished campaign comes to, in numbers: how trials ended, and each metric by the values of the lists of words."""
+"""A finished campaign in numbers: how trials ended, and each metric by the values of the lists of words."""
 
 from typing import Any
 
@@ -19,7 +19,7 @@ def ended(table: pa.Table) -> dict[str, int]:
 
 def causes(table: pa.Table) -> dict[str, int]:
     """Trips by their cause; what was refused by its words."""
-    columns = (table.column(name).to_pylist() for name in ("ended", "cause", "told"))
+    columns = (table.column(name).to_pylist() for name in ("ended", "cause", "message"))
     found = [cause if how == TRIPPED else words for how, cause, words in zip(*columns, strict=True) if how != COMPLETED]
     return {words: found.count(words) for words in dict.fromkeys(found)}
 
@@ -42,20 +42,30 @@ def metrics(plan: Plan, table: pa.Table) -> list[dict[str, Any]]:
     ]
 
 
-def _spread(seen: Any) -> dict[str, Any]:
-    known = seen[np.isfinite(seen)]
-    told: dict[str, Any] = {"trials": len(seen), "not_determined": len(seen) - len(known)}
+def _spread(measured: Any) -> dict[str, Any]:
+    known = measured[np.isfinite(measured)]
+    counts: dict[str, Any] = {"trials": len(measured), "not_determined": len(measured) - len(known)}
     at = np.percentile(known, (0, 5, 50, 95, 100)).tolist() if len(known) else [None] * 5
-    return told | dict(zip(("least", "p5", "median", "p95", "most"), at, strict=True))
+    return counts | dict(zip(("least", "p5", "median", "p95", "most"), at, strict=True))
 
 
 def claims(plan: Plan, table: pa.Table) -> list[dict[str, Any]]:
-    """How often each claim of the experiment holds; a trial without a verdict is no hold."""
+    """How often each claim of the experiment holds; a trial without a verdict counts as one in which it does not."""
     found = []
     for number, claim in enumerate(plan.base.claims):
         holds = table.column(holds_column(number)).to_pylist()
         for key, chosen in groups(plan, table).items():
-            held = sum(bool(one) for one, there in zip(holds, chosen, strict=True) if there)
-            told = {"statement": claim.statement, "stated": band(claim), "column": claim_column(number)}
-            found.append({**told, "of": key, "trials": int(chosen.sum()), "hold": held})
+            held = sum(bool(one) for one, in_group in zip(holds, chosen, strict=True) if in_group)
+            claimed = {"statement": claim.statement, "stated": band(claim), "column": claim_column(number)}
+            found.append({**claimed, "of": key, "trials": int(chosen.sum()), "hold": held})
     return found
+
+
+def summary(plan: Plan, table: pa.Table) -> dict[str, Any]:
+    """How trials ended, why some did not complete, and the spread of metrics and claims; ready for JSON."""
+    return {
+        "ended": ended(table),
+        "causes": causes(table),
+        "metrics": metrics(plan, table),
+        "claims": claims(plan, table),
+    }

@@ -1,4 +1,4 @@
-"""The rows of a campaign as one table: a column a parameter, a metric, a claim; its schema tells what each is."""
+"""The rows of a campaign as one table: a column a parameter, a metric, a claim; the schema says what each is."""
 
 import json
 from typing import Any
@@ -16,30 +16,30 @@ KEY = b"hydrohil"  # of the table's metadata, JSON
 
 
 def identity(plan: Plan, sources: str) -> dict[str, Any]:
-    """What makes two tables the same campaign."""
+    """Two tables with the same identity are of the same campaign."""
     return {"campaign": plan.digest, "sources": sources, "seed": plan.campaign.seed, "trials": count(plan.campaign)}
 
 
 def schema(plan: Plan, sources: str) -> pa.Schema:
-    """Columns with what they mean, and the campaign itself."""
+    """Columns with their meaning, and the campaign itself, as metadata."""
     campaign = plan.campaign
     fields = [pa.field(name, pa.int64()) for name in ("trial", "point", "repeat", "seed")]
-    fields += [_told(name, _kind(axis), paths=[*(axis.sets or {name: ""})]) for name, axis in campaign.sweep.items()]
+    fields += [_field(name, _kind(axis), paths=[*(axis.sets or {name: ""})]) for name, axis in campaign.sweep.items()]
     fields += [
-        _told(name, pa.float64(), unit=m.unit, metric=m.metric, channel=m.channel, start_s=m.start_s, end_s=m.end_s)
+        _field(name, pa.float64(), unit=m.unit, metric=m.metric, channel=m.channel, start_s=m.start_s, end_s=m.end_s)
         for name, m in campaign.metrics.items()
     ]
     for number, claim in enumerate(plan.base.claims):
         stated = {"statement": claim.statement, "stated": band(claim), "unit": claim.unit, "source": claim.source}
-        fields.append(_told(claim_column(number), pa.float64(), **stated))
-        fields.append(_told(holds_column(number), pa.bool_(), **stated))
-    fields += [pa.field(name, pa.string()) for name in ("ended", "cause", "told")] + [pa.field("end_s", pa.float64())]
+        fields.append(_field(claim_column(number), pa.float64(), **stated))
+        fields.append(_field(holds_column(number), pa.bool_(), **stated))
+    fields += [pa.field(name, pa.string()) for name in ("ended", "cause", "message")] + [pa.field("end_s", pa.float64())]
     known = identity(plan, sources) | {"name": campaign.name, "title": campaign.title, "experiment": to_bytes(plan.base).decode()}
     return pa.schema(fields, metadata={KEY: json.dumps(known).encode()})
 
 
-def _told(name: str, kind: pa.DataType, **told: Any) -> pa.Field:
-    return pa.field(name, kind, metadata={KEY: json.dumps(told).encode()})
+def _field(name: str, kind: pa.DataType, **meaning: Any) -> pa.Field:
+    return pa.field(name, kind, metadata={KEY: json.dumps(meaning).encode()})
 
 
 def _kind(axis: Axis) -> pa.DataType:

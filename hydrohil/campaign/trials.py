@@ -1,7 +1,7 @@
 """The trials of a campaign, each by its number: point of the grids, repeat, seed, parameters, experiment.
 
 Points are the product of all grids and lists, the last one fastest; trial n is repeat  n mod repeats  of point
-n div repeats . Whoever knows the campaign and the number can run the trial alone.
+n div repeats . Campaign and number are enough to run a trial alone.
 """
 
 import math
@@ -25,7 +25,7 @@ CORNERS = 256  # at most so many combinations of extreme values are validated be
 
 
 class Trial(NamedTuple):
-    """One row to come."""
+    """One trial by its number, before it is run."""
 
     number: int
     point: int
@@ -49,27 +49,27 @@ def trial_of(campaign: Campaign, number: int) -> Trial:
     if not 0 <= number < count(campaign):
         raise IndexError(f"there is no trial {number}: they go from 0 to {count(campaign) - 1}")
     point, repeat = divmod(number, campaign.repeats)
-    left, parameters = point, {}
+    rest, parameters = point, {}
     for name, axis in reversed(campaign.sweep.items()):
         if distribution(axis) is not None:
             parameters[name] = draw(axis, name, campaign.seed, repeat)
             continue
         known = values(axis)
-        left, place = divmod(left, len(known))
-        parameters[name] = known[place]
+        rest, index = divmod(rest, len(known))
+        parameters[name] = known[index]
     return Trial(number, point, repeat, campaign.seed + repeat, {name: parameters[name] for name in campaign.sweep})
 
 
 def assigned(campaign: Campaign, parameters: dict[str, Any]) -> dict[str, Any]:
-    """What the parameters put where, as path: value. Raises ExperimentError where a formula has no value."""
-    made: dict[str, Any] = {}
+    """Path and value of every field that the parameters decide. Raises ExperimentError where a formula has no value."""
+    values_by_path: dict[str, Any] = {}
     for name, value in parameters.items():
         for path, formula in (campaign.sweep[name].sets or {name: "value"}).items():
             try:
-                made[path] = evaluate(formula, value)
+                values_by_path[path] = evaluate(formula, value)
             except ValueError as reason:
                 raise ExperimentError([f"sweep.{name}.sets.{path}: {reason}"]) from None
-    return made
+    return values_by_path
 
 
 def experiment_of(plan: Plan, parameters: dict[str, Any]) -> Experiment:
@@ -93,7 +93,7 @@ def probes(campaign: Campaign) -> Iterator[dict[str, Any]]:
     """Parameters that are validated before anything runs.
 
     Every corner (up to 256) of what the axes reach: first and last of a grid, all of a list, smallest and largest draw.
-    What lies between is validated when its trial is run; what is refused then is a row that says so.
+    A value between is validated when its trial is run; the row of a trial that is refused then says so.
     """
     reached = {name: _ends(campaign, name, axis) for name, axis in campaign.sweep.items()}
     if math.prod(len(ends) for ends in reached.values()) <= CORNERS:
@@ -116,16 +116,16 @@ def validate(plan: Plan) -> Experiment:
     """Validate every probe and each metric on it; returns the one that lasts longest. Raises ExperimentError."""
     longest, found = plan.base, dict[str, str]()
     for parameters in probes(plan.campaign):
-        told = ", ".join(f"{name} = {value}" for name, value in parameters.items())
+        corner = ", ".join(f"{name} = {value}" for name, value in parameters.items())
         try:
             experiment = experiment_of(plan, parameters)
         except ExperimentError as refused:
-            found = dict.fromkeys(refused.problems, told) | found
+            found = dict.fromkeys(refused.problems, corner) | found
             continue
-        found = dict.fromkeys(_problems(plan, experiment), told) | found
+        found = dict.fromkeys(_problems(plan, experiment), corner) | found
         longest = max(longest, experiment, key=lambda one: one.duration_s)
     if found:
-        raise ExperimentError(f"{what} (first at {told})" for what, told in found.items())
+        raise ExperimentError(f"{what} (first at {corner})" for what, corner in found.items())
     return longest
 
 

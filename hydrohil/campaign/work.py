@@ -1,4 +1,4 @@
-"""What a worker does: play a chunk of trials on the local clock and measure them."""
+"""The work of one worker: play a chunk of trials on the local clock and measure them."""
 
 import math
 from collections.abc import Sequence
@@ -48,26 +48,26 @@ def work(chunk: Chunk) -> list[Row]:
 
 
 def warm(plan: Plan) -> None:
-    """Compile, or load what is compiled: a tenth of a second of the experiment, without what it claims or breaks."""
+    """Compile, or load compiled kernels: a tenth of a second of the experiment, without its claims and faults."""
     base = plan.base
     play_local(base._replace(duration_s=WARM_S, claims=(), faults=()), 0)
 
 
 def row(plan: Plan, trial: Trial) -> Row:
-    """Play one trial; what is refused, or trips, says so in its row."""
-    made: Row = {"trial": trial.number, "point": trial.point, "repeat": trial.repeat, "seed": trial.seed, **trial.parameters}
+    """Play one trial; the row of one that is refused, or trips, says so."""
+    known: Row = {"trial": trial.number, "point": trial.point, "repeat": trial.repeat, "seed": trial.seed, **trial.parameters}
     try:
         experiment = experiment_of(plan, trial.parameters)
         outcome = play_local(experiment, trial.seed)
     except (ExperimentError, ValueError) as reason:
-        return made | {"ended": REFUSED, "told": str(reason)}
+        return known | {"ended": REFUSED, "message": str(reason)}
     trip, trace = outcome.supervisor, trace_of(outcome)
-    made["end_s"] = float(outcome.rows.time_ns[-1]) / NS_PER_S
+    known["end_s"] = float(outcome.rows.time_ns[-1]) / NS_PER_S
     if trip.mode == Mode.TRIPPED:
         cause = TripCause(trip.cause)
         words = trip_words(cause, trip.measured, trip.limit, trip.trip_number)
-        return made | measured(plan, trace) | {"ended": TRIPPED, "cause": cause.name.lower(), "told": words}
-    return made | measured(plan, trace) | _judged(experiment, trace) | {"ended": COMPLETED}
+        return known | measured(plan, trace) | {"ended": TRIPPED, "cause": cause.name.lower(), "message": words}
+    return known | measured(plan, trace) | _judged(experiment, trace) | {"ended": COMPLETED}
 
 
 def measured(plan: Plan, trace: Trace) -> Row:

@@ -4,7 +4,6 @@ import json
 import os
 import shlex
 import sys
-import time
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated, Any
 
@@ -14,11 +13,8 @@ from hydrohil.cli.options import app, console, fail, make_folders, writing
 from hydrohil.shared.exit_status import EXIT_TRANSPORT, EXIT_USAGE
 
 if TYPE_CHECKING:
-    import pyarrow as pa
-
     from hydrohil.campaign.campaign import Plan
-    from hydrohil.campaign.store import Store
-    from hydrohil.experiment.experiment import Experiment
+    from hydrohil.campaign.run import CampaignProgress
 
 _RUNS = Path("runs/campaigns")
 _INTERRUPTED = 130
@@ -58,13 +54,11 @@ def campaign(
         plan = find_campaign(which)
         if trial is not None:
             return _show_trial(plan, trial)
-        longest = _validated(plan)
-        processes = workers or len(os.sched_getaffinity(0))
         if dry_run:
-            return _describe(plan, longest, processes)
+            return _describe(plan, workers or len(os.sched_getaffinity(0)))
         folder = out or _RUNS / plan.campaign.name
         make_folders(folder / "any", json_file)
-        _carry_out(plan, longest, folder, processes, scheduler, fresh, json_file)
+        _carry_out(plan, folder, workers, scheduler, fresh, json_file)
     except (ExperimentError, StoreError) as error:
         raise fail(error, EXIT_USAGE) from None
     except ClusterError as error:
@@ -101,30 +95,23 @@ def _show_trial(plan: "Plan", number: int) -> None:
 
     if not 0 <= number < count(plan.campaign):
         raise fail(f"--trial is {number}: {plan.campaign.name} has trials 0 to {count(plan.campaign) - 1}", EXIT_USAGE)
-    made = trial_of(plan.campaign, number)
-    told = "".join(f"\n  {name} = {value}" for name, value in made.parameters.items())
-    words = f"trial {number}: point {made.point}, repeat {made.repeat}, seed {made.seed}{told}"
+    trial = trial_of(plan.campaign, number)
+    parameters = "".join(f"\n  {name} = {value}" for name, value in trial.parameters.items())
+    words = f"trial {number}: point {trial.point}, repeat {trial.repeat}, seed {trial.seed}{parameters}"
     console.print(words, highlight=False, markup=False)
-    print(command(plan, made))
+    print(command(plan, trial))
 
 
-def _validated(plan: "Plan") -> "Experiment":
-    """The longest of the trials that were validated; raises ExperimentError."""
-    from hydrohil.campaign.trials import validate
-
-    return validate(plan)
-
-
-def _describe(plan: "Plan", longest: "Experiment", workers: int) -> None:
-    """What would run."""
+def _describe(plan: "Plan", workers: int) -> None:
+    """What would run; raises ExperimentError."""
     from rich.table import Table
 
     from hydrohil.campaign.axis import KINDS
-    from hydrohil.campaign.run import TIMES_REAL_TIME, trial_s
-    from hydrohil.campaign.trials import count, points
+    from hydrohil.campaign.dispatch import TIMES_REAL_TIME, trial_s
+    from hydrohil.campaign.trials import count, points, validate
     from hydrohil.reproduction.formatting import duration
 
-    one = plan.campaign
+    one, longest = plan.campaign, validate(plan)
     table = Table("parameter", "swept over", "sets")
     for name, axis in one.sweep.items():
         kind = next(kind for kind in KINDS if getattr(axis, kind) is not None)
@@ -144,96 +131,62 @@ def _brief(swept: Any) -> str:
 
 
 def _carry_out(
-    plan: "Plan",
-    longest: "Experiment",
-    folder: Path,
-    workers: int,
-    scheduler: str | None,
-    fresh: bool,
-    json_file: Path | None,
+    plan: "Plan", folder: Path, workers: int | None, scheduler: str | None, fresh: bool, json_file: Path | None
 ) -> None:
-    """Run what is missing, then the table, the pictures, the summary."""
-    from hydrohil.campaign.pictures import draw_all
-    from hydrohil.campaign.store import opened
+    """Run what is missing, with a bar; then show and write what came of it."""
+    from hydrohil.campaign.run import run_campaign
 
-    began = time.perf_counter()
-    with opened(plan, folder, fresh=fresh) as store:
-        table = store.finished()
-        ran = 0
-        if table is None:
-            ran = _run(store, longest, workers, scheduler)
-            table = store.finish()
-        wall_s = time.perf_counter() - began
+    with _Bar() as bar:
         try:
-            drawn = draw_all(plan, table, folder)
-        except OSError as reason:
-            why = reason.strerror or reason
-            raise fail(f"{folder}: a picture cannot be written ({why}): the table is whole; make room", EXIT_USAGE) from None
-        _finish(plan, table, store.final, drawn, ran, wall_s, json_file)
-
-
-def _run(store: "Store", longest: "Experiment", workers: int, scheduler: str | None) -> int:
-    """Run the trials that no part has, with a bar; returns how many there were."""
-    from rich.progress import BarColumn, MofNCompleteColumn, Progress, TextColumn, TimeElapsedColumn, TimeRemainingColumn
-
-    from hydrohil.campaign.cluster import cluster
-    from hydrohil.campaign.run import pending, run, trial_s
-    from hydrohil.campaign.trials import count
-    from hydrohil.campaign.work import COMPLETED
-
-    todo, all_of_them = pending(store), count(store.plan.campaign)
-    bar = (TextColumn("{task.description}"), BarColumn(), MofNCompleteColumn(), TimeElapsedColumn(), TimeRemainingColumn(True))
-    done, ended_early = all_of_them - len(todo), 0
-    if done:
-        console.print(f"goes on: {done} of {all_of_them} trials are finished", highlight=False)
-    if not todo:
-        return 0
-    try:
-        with Progress(*bar, console=console, refresh_per_second=2, speed_estimate_period=120.0) as progress:
-            task = progress.add_task("starting; compiles once after a change", total=all_of_them, completed=done)
-            with cluster(min(workers, len(todo)), scheduler) as client:
-                began = time.perf_counter()
-
-                def tell(rows: list[dict[str, Any]]) -> None:
-                    nonlocal done, ended_early
-                    done += len(rows)
-                    ended_early += sum(row["ended"] != COMPLETED for row in rows)
-                    rate = (done - all_of_them + len(todo)) / (time.perf_counter() - began)
-                    words = f"{rate:.3g} trials/s" + (f", {ended_early} did not complete" if ended_early else "")
-                    progress.update(task, completed=done, description=words)
-
-                run(client, store, todo, trial_s(longest), tell)
-    except KeyboardInterrupt:
-        again = shlex.join(["hydrohil", *sys.argv[1:]]).replace(" --fresh", "")
-        words = f"interrupted: {done} of {all_of_them} trials are kept in {store.parts}; go on with: {again}"
-        raise fail(words, _INTERRUPTED) from None
-    return len(todo)
-
-
-def _finish(
-    plan: "Plan", table: "pa.Table", final: Path, drawn: list[Path], ran: int, wall_s: float, json_file: Path | None
-) -> None:
-    """Say what came of it, and write it down."""
-    from hydrohil.campaign import summary
-    from hydrohil.campaign.table import known_identity
-
-    found = {
-        "name": plan.campaign.name,
-        **known_identity(table.schema),
-        "table": str(final),
-        "pictures": [str(path) for path in drawn],
-        "ran_now": ran,
-        "wall_s": wall_s,
-        "trials_per_s": ran / wall_s,
-        "ended": summary.ended(table),
-        "causes": summary.causes(table),
-        "metrics": summary.metrics(plan, table),
-        "claims": summary.claims(plan, table),
-    }
+            result = run_campaign(plan, folder, workers=workers, scheduler=scheduler, fresh=fresh, report=bar.show)
+        except KeyboardInterrupt:
+            if bar.last is None:
+                raise
+            again = shlex.join(["hydrohil", *sys.argv[1:]]).replace(" --fresh", "")
+            kept = f"{bar.last.finished} of {bar.last.trials} trials are kept in {folder}"
+            raise fail(f"interrupted: {kept}; go on with: {again}", _INTERRUPTED) from None
+    found = result.summary()
     _show(found)
     if json_file is not None:
         with writing(json_file):
             json_file.write_text(json.dumps(found, indent=2) + "\n", encoding="utf-8")
+
+
+class _Bar:
+    """A bar that appears with the first report, unless nothing is left to run."""
+
+    def __init__(self) -> None:
+        from rich.progress import BarColumn, MofNCompleteColumn, Progress, TextColumn, TimeElapsedColumn, TimeRemainingColumn
+
+        columns = (
+            TextColumn("{task.description}"),
+            BarColumn(),
+            MofNCompleteColumn(),
+            TimeElapsedColumn(),
+            TimeRemainingColumn(True),
+        )
+        self._progress = Progress(*columns, console=console, refresh_per_second=2, speed_estimate_period=120.0)
+        self._task: Any = None
+        self.last: CampaignProgress | None = None
+
+    def __enter__(self) -> "_Bar":
+        return self
+
+    def __exit__(self, *_: object) -> None:
+        self._progress.stop()
+
+    def show(self, now: "CampaignProgress") -> None:
+        """One report of the campaign."""
+        first, self.last = self.last is None, now
+        if first and now.resumed:
+            console.print(f"goes on: {now.resumed} of {now.trials} trials are finished", highlight=False)
+        if first and now.finished < now.trials:
+            words = "starting; compiles once after a change"
+            self._task = self._progress.add_task(words, total=now.trials, completed=now.finished)
+            self._progress.start()
+        if not first:
+            words = f"{now.trials_per_s:.3g} trials/s" + (f", {now.incomplete} did not complete" if now.incomplete else "")
+            self._progress.update(self._task, completed=now.finished, description=words)
 
 
 def _show(found: dict[str, Any]) -> None:
@@ -253,8 +206,8 @@ def _show(found: dict[str, Any]) -> None:
         console.print(table)
     for words, number in found["causes"].items():
         console.print(f"did not complete: {number} by {words}", highlight=False, markup=False)
-    told = ", ".join(f"{number} {words}" for words, number in found["ended"].items() if number)
+    ended = ", ".join(f"{number} {words}" for words, number in found["ended"].items() if number)
     speed = f"; {found['ran_now']} now, {found['trials_per_s']:.3g} a second" if found["ran_now"] else "; nothing was left to run"
-    console.print(f"{told}{speed}", highlight=False)
+    console.print(f"{ended}{speed}", highlight=False)
     for path in (found["table"], *found["pictures"]):
         console.print(path, highlight=False, soft_wrap=True)

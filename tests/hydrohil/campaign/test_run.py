@@ -1,54 +1,71 @@
-"""A campaign on a Dask cluster in this process: every trial once, whatever was kept before."""
+"""A whole campaign in one call: table, pictures, progress, and what stops it."""
 
 from collections.abc import Iterator
 from pathlib import Path
 
+import pyarrow.parquet as pq
 import pytest
-from distributed import Client, LocalCluster
+from distributed import LocalCluster
 
-from hydrohil.campaign import run as runs
-from hydrohil.campaign.cluster import ClusterError, cluster
-from hydrohil.campaign.run import chunk_size, pending, run
-from hydrohil.campaign.store import opened
-from hydrohil.campaign.work import COMPLETED
-from tests.support.campaign_scene import plan
+from hydrohil.campaign.cluster import ClusterError
+from hydrohil.campaign.run import CampaignProgress, CampaignResult, run_campaign
+from hydrohil.campaign.store import StoreError
+from hydrohil.experiment.errors import ExperimentError
+from hydrohil.shared.errors import HydrohilError
+from tests.support.campaign_scene import plan, write
+
+PICTURES = {"peak": {"kind": "distribution", "of": "peak_n"}}
 
 
 @pytest.fixture(scope="module")
-def client() -> Iterator[Client]:
-    with (
-        LocalCluster(n_workers=1, threads_per_worker=1, processes=False, dashboard_address=None) as made,
-        Client(made, set_as_default=False) as client,
-    ):
-        yield client
+def scheduler() -> Iterator[str]:
+    with LocalCluster(n_workers=1, threads_per_worker=1, processes=False, protocol="tcp://", dashboard_address=None) as local:
+        yield local.scheduler_address
 
 
-def test_what_is_missing_is_run_and_nothing_twice(client: Client, tmp_path: Path):
-    told: list[int] = []
-    with opened(plan(), tmp_path, fresh=False) as store:
-        run(client, store, [3, 4, 11], 0.01, lambda rows: told.extend(row["trial"] for row in rows))
-        assert sorted(told) == [3, 4, 11] and pending(store) == [0, 1, 2, 5, 6, 7, 8, 9, 10]
-        run(client, store, pending(store), 0.01, lambda rows: told.extend(row["trial"] for row in rows))
-        assert sorted(told) == list(range(12)) and pending(store) == []
-        table = store.finish()
-    assert table.column("ended").to_pylist() == [COMPLETED] * 12
-    assert table.column("peak_n").null_count == 0
+@pytest.fixture(scope="module")
+def finished(scheduler: str, tmp_path_factory: pytest.TempPathFactory) -> tuple[CampaignResult, list[CampaignProgress]]:
+    folder, reports = tmp_path_factory.mktemp("campaign"), list[CampaignProgress]()
+    file = write(folder, pictures=PICTURES)
+    return run_campaign(file, folder / "out", scheduler=scheduler, report=reports.append), reports
 
 
-def test_workers_of_other_sources_are_told_of(client: Client, tmp_path: Path):
-    with opened(plan(), tmp_path, fresh=False) as store, pytest.raises(ClusterError, match="another version"):
-        run(client, store._replace(sources="feed"), [0], 0.01, lambda _: None)
+def test_every_trial_has_its_row_in_the_table_and_in_its_file(finished):
+    result, _ = finished
+    assert result.table.column("trial").to_pylist() == list(range(12)) and result.ran == 12
+    assert pq.read_table(result.table_file).equals(result.table)
+    assert [path.name for path in result.pictures] == ["tiny-peak.png"] and all(path.exists() for path in result.pictures)
 
 
-def test_an_address_without_a_scheduler_says_how_to_start_one(monkeypatch: pytest.MonkeyPatch):
+def test_progress_begins_with_nothing_and_ends_with_everything(finished):
+    _, reports = finished
+    assert reports[0] == CampaignProgress(trials=12, finished=0, resumed=0, incomplete=0, trials_per_s=0.0)
+    assert reports[-1].finished == 12 and reports[-1].trials_per_s > 0.0
+    assert [report.finished for report in reports] == sorted(report.finished for report in reports)
+
+
+def test_the_summary_counts_how_trials_ended_and_spreads_each_metric(finished):
+    result, _ = finished
+    summary = result.summary()
+    assert summary["ended"] == {"completed": 12, "tripped": 0, "refused": 0} and summary["ran_now"] == 12
+    assert {one["metric"] for one in summary["metrics"]} == {"peak_n", "error_n"}
+
+
+def test_a_finished_campaign_runs_nothing_again(finished):
+    result, _ = finished
+    again = run_campaign(result.plan, result.table_file.parent, report=lambda _: pytest.fail("something is run"))
+    assert again.ran == 0 and again.table.equals(result.table)
+
+
+def test_what_cannot_be_run_is_an_error_of_the_library(finished, scheduler: str, tmp_path: Path, monkeypatch: pytest.MonkeyPatch):
+    result, _ = finished
+    with pytest.raises(ExperimentError, match="stability-map"):
+        run_campaign("stabilty-map", tmp_path)
+    with pytest.raises(StoreError, match="--fresh"):
+        run_campaign(plan(seed=6), result.table_file.parent, scheduler=scheduler)
+    with pytest.raises(StoreError, match="/dev/null"):
+        run_campaign(plan(), "/dev/null/x")
     monkeypatch.setattr("hydrohil.campaign.cluster._CONNECT_S", 0.3)
-    with pytest.raises(ClusterError, match="dask scheduler"), cluster(1, "tcp://127.0.0.1:1"):
-        pass
-
-
-def test_a_chunk_is_two_seconds_of_work_and_every_worker_gets_several():
-    assert chunk_size(0.05, 10_000, 2) == 40
-    assert chunk_size(0.01, 40, 2) == 5
-    assert chunk_size(0.05, 10**7, 100) == 1000  # and there are 10,000 parts at most
-    assert chunk_size(10.0, 100, 2) == chunk_size(0.01, 3, 2) == 1
-    assert runs.CHUNK_S == 2.0
+    with pytest.raises(ClusterError, match="dask scheduler"):
+        run_campaign(plan(), tmp_path, scheduler="tcp://127.0.0.1:1")
+    assert all(issubclass(error, HydrohilError) for error in (ExperimentError, StoreError, ClusterError))
