@@ -1,4 +1,9 @@
-"""Unit factors and the rig's time base. Inside the rig everything is SI; these turn a printed number into SI."""
+"""Unit factors and the rig's time base. Inside the rig everything is SI; these turn a printed number into SI.
+
+Two suffixes name the unit of a joint, which depends on the link. `q` is the joint coordinate: rad where the joint turns, m where
+it slides. `tau` is the generalised force on it: N m where the joint turns, N where it slides. So `kp_a_per_q` is in A/rad for the
+links 1 and 2 and in A/m for link 3, `viscous_tau_s_per_q` in N m s/rad and N s/m. `q` and `qd` alone are position and velocity.
+"""
 
 import math
 

@@ -61,7 +61,7 @@ LINES = command_lines()
 
 
 def field_names(column: str) -> list[str]:
-    """Names in a table's cell: `q_rad, q_set_rad`."""
+    """Names in a table's cell: `q, q_set`."""
     return [name.strip() for name in column.split(",")]
 
 

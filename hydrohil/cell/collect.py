@@ -20,10 +20,10 @@ from hydrohil.shared.trips.watcher import document_of, utc_now
 from hydrohil.shared.units import NS_PER_S
 
 _FROM_STATE = (
-    "q_rad",
-    "q_set_rad",
-    "qd_rad_per_s",
-    "qd_set_rad_per_s",
+    "q",
+    "q_set",
+    "qd",
+    "qd_set",
     "x_m",
     "x_set_m",
     "x_nominal_m",

@@ -25,7 +25,7 @@ def measured(trace: Trace, channel: ChannelName) -> Reals:
     if channel == "force":
         return trace.force_n
     if channel in LINKS:
-        return trace.q_rad[:, LINKS.index(channel)]
+        return trace.q[:, LINKS.index(channel)]
     return trace.x_m[:, AXES.index(channel)]
 
 
@@ -34,7 +34,7 @@ def set_point(trace: Trace, channel: ChannelName) -> Reals:
     if channel == "force":
         return trace.force_set_n
     if channel in LINKS:
-        return trace.q_set_rad[:, LINKS.index(channel)]
+        return trace.q_set[:, LINKS.index(channel)]
     return trace.x_set_m[:, AXES.index(channel)]
 
 

@@ -15,10 +15,10 @@ class Trace(NamedTuple):
 
     tick: Integers  # (n,) 0 = the reference starts
     t_s: Reals  # (n,) since tick 0
-    q_rad: Reals  # (n, 3) third column in m, as all q
-    q_set_rad: Reals  # (n, 3)
-    qd_rad_per_s: Reals  # (n, 3) estimate by regression
-    qd_set_rad_per_s: Reals  # (n, 3)
+    q: Reals  # (n, 3) third column in m, as all q
+    q_set: Reals  # (n, 3)
+    qd: Reals  # (n, 3) estimate by regression
+    qd_set: Reals  # (n, 3)
     x_m: Reals  # (n, 3) from the encoders
     x_set_m: Reals  # (n, 3) as modified by the target impedance
     x_nominal_m: Reals  # (n, 3) as the reference has it

@@ -64,7 +64,7 @@ def cycle_ratio(trace: Trace, channel: ChannelName) -> float:
 def error_rate_to_error(trace: Trace, channel: ChannelName) -> float:
     """Largest velocity error over largest position error of a link, in 1/s."""
     link = LINKS.index(channel)
-    rate = np.max(np.abs(trace.qd_set_rad_per_s[:, link] - trace.qd_rad_per_s[:, link]))
+    rate = np.max(np.abs(trace.qd_set[:, link] - trace.qd[:, link]))
     largest = max_error(trace, channel)
     return float(rate) / largest if largest > 0.0 else NAN
 

@@ -45,7 +45,7 @@ def control_noise(trace: Trace, channel: ChannelName) -> float:
 
 def braking_control_ratio(trace: Trace, channel: ChannelName) -> float:
     """rms valve current while the set-point of a link slows down over that while it speeds up."""
-    speed = trace.qd_set_rad_per_s[:, LINKS.index(channel)]
+    speed = trace.qd_set[:, LINKS.index(channel)]
     power, current = speed * np.gradient(speed, trace.t_s), control(trace, channel)
     braking, driving = current[power < 0.0], current[power > 0.0]
     return rms(braking) / rms(driving) if len(braking) and len(driving) and rms(driving) > 0.0 else NAN

@@ -28,7 +28,7 @@ def set_parameters(
 
     Exit status: 2 a name, a value or the moment is refused, 5 no cell.
 
-    Example: `hydrohil set controller.gains.down_up.kp_a_per_rad=3.0 controller.law=pi`
+    Example: `hydrohil set controller.gains.down_up.kp_a_per_q=3.0 controller.law=pi`
     """
     from hydrohil.cell import processes as cells
 

@@ -36,7 +36,7 @@ def tune(
     Exit status: 0 tuned, 1 a step found no acceptable value, 2 usage.
 
     Examples: `hydrohil tune --link 2`,
-    `hydrohil tune --set plant.machine.down_up.breakaway_nm=940.0 --toml mine.toml; hydrohil run mine.toml --clock local`
+    `hydrohil tune --set plant.machine.down_up.breakaway_tau=940.0 --toml mine.toml; hydrohil run mine.toml --clock local`
     """
     from hydrohil.cli import tune_report as reports
     from hydrohil.experiment.errors import ExperimentError

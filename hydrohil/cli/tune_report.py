@@ -100,8 +100,8 @@ def worth_table(link: LinkTuning) -> Table:
     scale, name = rad_per_unit(link.link), unit(link.link)
     table = Table("final law, rms error", f"before, {name}", f"tuned, {name}", "ratio")
     for one in link.worth:
-        ratio = one.tuned_rad / one.before_rad
-        table.add_row(one.pattern, cell(one.before_rad / scale), cell(one.tuned_rad / scale), f"{ratio:.2f}")
+        ratio = one.tuned_q / one.before_q
+        table.add_row(one.pattern, cell(one.before_q / scale), cell(one.tuned_q / scale), f"{ratio:.2f}")
     return table
 
 

@@ -1,6 +1,7 @@
 """What is wrong with an experiment, in one clear line a problem: where, value, unit, what was expected, what to do."""
 
 import json
+import re
 from collections.abc import Iterable, Sequence
 from types import NoneType, UnionType
 from typing import Annotated, Any, NamedTuple, get_args, get_origin, get_type_hints
@@ -9,7 +10,7 @@ from hydrohil.shared.contract.assignments import nearest
 from hydrohil.shared.errors import HydrohilError
 
 _UNIT_WORDS = {
-    **dict.fromkeys(("m", "m2", "m3", "s", "s2", "kg", "rad", "rad2", "deg"), ""),
+    **dict.fromkeys(("m", "m2", "m3", "s", "s2", "kg", "rad", "rad2", "deg", "q", "q2", "tau"), ""),
     "n": "N",
     "nm": "N m",
     "nms": "N m s",
@@ -42,7 +43,7 @@ def unreadable(path: object, reason: OSError | UnicodeDecodeError) -> Experiment
 
 
 def unit_of(field: str) -> str:
-    """Unit that a field's suffix states: `kp_a_per_rad` is in A/rad; empty if it states none."""
+    """Unit that a field's suffix states: `kp_a_per_q` is in A/q; empty if it states none."""
     words = field.split("_")
     tail: list[str] = []
     while words and (words[-1] in _UNIT_WORDS or (words[-1] == "per" and tail)):
@@ -113,8 +114,9 @@ def _shown(value: Any, location: Location) -> str:
 
 def _unit_at(location: Location) -> str:
     name = next((part for part in reversed(location) if isinstance(part, str)), "")
-    third_slides = unit_of(name).replace("rad", "m") if location and location[-1] == 2 else unit_of(name)
-    return third_slides
+    slides = 2 in location or "out_in" in location
+    joint, force = ("m", "N") if slides else ("rad", "N m")
+    return re.sub(r"\btau\b", force, re.sub(r"\bq(2?)\b", rf"{joint}\1", unit_of(name)))
 
 
 def _in_unit(location: Location) -> str:

@@ -95,7 +95,7 @@ def _section_problems(experiment: Experiment) -> list[str]:
     checks: tuple[Callable[[], object], ...] = (
         lambda: latch_substeps(plant),
         lambda: contact_params(plant.environment),
-        lambda: check(experiment.controller, experiment.reference, plant.initial_q_rad, plant.machine.q4_rad, met),
+        lambda: check(experiment.controller, experiment.reference, plant.initial_q, plant.machine.q4_rad, met),
         lambda: _check_changes(experiment, met),
     )
     for agrees in checks:
@@ -110,7 +110,7 @@ def _check_changes(experiment: Experiment, met: ContactEnvironment) -> None:
     """Raise ValueError where a change may not be, or leads to a configuration that could not be loaded."""
     plant = experiment.plant
     for config in _acting(experiment)[1:]:
-        check(config, experiment.reference, plant.initial_q_rad, plant.machine.q4_rad, met)
+        check(config, experiment.reference, plant.initial_q, plant.machine.q4_rad, met)
 
 
 def _acting(experiment: Experiment) -> tuple[ControllerConfig, ...]:

@@ -105,9 +105,9 @@ def _by(seed: int, experiment: Experiment, cause: TripCause) -> Trial:
 
 def beyond_joint(seed: int) -> Trial:
     """The swing passes a joint limit that is tightened to lie within it."""
-    high = (SWING.supervisor.joint_high_rad[0], HIGH_RAD, SWING.supervisor.joint_high_rad[2])
-    experiment = SWING._replace(duration_s=STRUCK_S, supervisor=SWING.supervisor._replace(joint_high_rad=high))
-    return crossed(seed, experiment, lambda rows: rows.q_rad[:, 1] > HIGH_RAD, _one_period)
+    high = (SWING.supervisor.joint_high_q[0], HIGH_RAD, SWING.supervisor.joint_high_q[2])
+    experiment = SWING._replace(duration_s=STRUCK_S, supervisor=SWING.supervisor._replace(joint_high_q=high))
+    return crossed(seed, experiment, lambda rows: rows.q[:, 1] > HIGH_RAD, _one_period)
 
 
 def beyond_workspace(seed: int) -> Trial:

@@ -91,7 +91,7 @@ def undriven_since(rows: Columns, end: int) -> int:
     must_a = MOVES_UP_A[LINK] if sign > 0 else MOVES_DOWN_A[LINK]
     row = end
     while row > 0 and sign * code_to_current(int(rows.dac_counts[row - 1, LINK])) >= must_a:
-        if sign * (rows.q_rad[row, LINK] - rows.q_rad[row - 1, LINK]) > 0.0:
+        if sign * (rows.q[row, LINK] - rows.q[row - 1, LINK]) > 0.0:
             break
         row -= 1
     return row
@@ -119,7 +119,7 @@ def timed(experiment: Experiment, outcome: Outcome, row: int, bound_s: float) ->
 
 def moved(experiment: Experiment, rows: Columns, row: int, end: int) -> tuple[float, float]:
     """Largest way of the true tip (mm) and change of the true contact force (N) between two rows."""
-    tips = tips_m(experiment.plant.machine, rows.true_q_rad[row : end + 1])
+    tips = tips_m(experiment.plant.machine, rows.true_q[row : end + 1])
     force = rows.contact_force_n[row : end + 1]
     return max(1000.0 * math.dist(place, tips[0]) for place in tips), float(np.max(np.abs(force - force[0])))
 

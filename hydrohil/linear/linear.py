@@ -91,7 +91,7 @@ def port_slope_per_a(link: LinkParams, spool_a: float) -> float:
     return 2.0 * open_a / (width_a * width_a) if open_a > 0.0 else 0.0
 
 
-def actuator(machine: MachineParams, link: LinkParams, q_rad: float, lever_m: float, point: OperatingPoint) -> Actuator:
+def actuator(machine: MachineParams, link: LinkParams, q: float, lever_m: float, point: OperatingPoint) -> Actuator:
     """The orifice equation  Q = K_q a(x) sqrt((Ps - Pr - P) / 2)  linearised at `point`. ValueError if the port is shut.
 
     K_x = dQ/dx and -dQ/dP = K_pi / 2, where K_pi is the thesis' derivative by the drop over one port: each port sees half
@@ -105,9 +105,9 @@ def actuator(machine: MachineParams, link: LinkParams, q_rad: float, lever_m: fl
         raise ValueError(f"load_pa is {point.load_pa:g} Pa: the actuator stalls; expected less than the supply")
     root = signed_root(drop_pa, machine.root_smoothing_pa)
     flow = link.flow_gain_m3_per_s_sqrt_pa * abs(port_area(link, point.spool_a)) * root
-    displacement = link.displacement_m3_per_rad
-    volume_a = link.dead_volume_m3 + displacement * (q_rad - link.travel_low_rad)
-    volume_b = link.dead_volume_m3 + displacement * (link.travel_high_rad - q_rad)
+    displacement = link.displacement_m3_per_q
+    volume_a = link.dead_volume_m3 + displacement * (q - link.travel_low_q)
+    volume_b = link.dead_volume_m3 + displacement * (link.travel_high_q - q)
     return Actuator(
         area_m2=displacement / lever_m,
         flow_m3_per_s_a=link.flow_gain_m3_per_s_sqrt_pa * port_slope_per_a(link, point.spool_a) * root,
@@ -120,12 +120,12 @@ def arm(plant: PlantConfig, index: int, lever_m: float) -> Arm:
     """Inertia and viscous friction of the link at the tip, gauge and environment. Dry friction has no linear counterpart."""
     machine, environment = plant.machine, plant.environment
     link = (machine.rotate, machine.down_up, machine.out_in)[index]
-    inertia = inertias(machine, posture(machine, plant.initial_q_rad))[index]
+    inertia = inertias(machine, posture(machine, plant.initial_q))[index]
     square = lever_m * lever_m
     kind = environment.kind
     return Arm(
         mass_kg=inertia / square,
-        damping_ns_per_m=link.viscous_nms_per_rad / square,
+        damping_ns_per_m=link.viscous_tau_s_per_q / square,
         stiffness_n_per_m=0.0,
         sensor_stiffness_n_per_m=machine.sensor_stiffness_n_per_m,
         sensor_damping_ns_per_m=machine.sensor_damping_ns_per_m,
@@ -152,9 +152,9 @@ def target(config: ControllerConfig) -> Target:
 
 def position(gains: LinkGains, law: str, plant: PlantConfig, link: LinkParams, lever_m: float) -> Position:
     """PI of Table 2 at the tip. The nonlinear laws are their K_I alone: at rest their factor is 1 and nothing boosts."""
-    integral = gains.linear_ki_a_per_rad_s if law == "pi" else gains.ki_a_per_rad_s
+    integral = gains.linear_ki_a_per_q_s if law == "pi" else gains.ki_a_per_q_s
     delay_s = SUBSTEP_S * (latch_substeps(plant) + plant.sample_period_substeps / 2.0)
-    return Position(gains.kp_a_per_rad / lever_m, integral / lever_m, delay_s, link.valve_lag_s)
+    return Position(gains.kp_a_per_q / lever_m, integral / lever_m, delay_s, link.valve_lag_s)
 
 
 def linear_model(experiment: Experiment, point: OperatingPoint = SLOW_MOTION) -> LinearModel:
@@ -170,9 +170,9 @@ def linear_model(experiment: Experiment, point: OperatingPoint = SLOW_MOTION) ->
     plant, machine = experiment.plant, experiment.plant.machine
     index = OUT_IN if plant.environment.kind == "crate" else DOWN_UP
     link = (machine.rotate, machine.down_up, machine.out_in)[index]
-    lever_m = 1.0 if index == OUT_IN else posture(machine, plant.initial_q_rad).reach_m
+    lever_m = 1.0 if index == OUT_IN else posture(machine, plant.initial_q).reach_m
     return LinearModel(
-        actuator(machine, link, plant.initial_q_rad[index], lever_m, point),
+        actuator(machine, link, plant.initial_q[index], lever_m, point),
         arm(plant, index, lever_m),
         target(experiment.controller),
         position(experiment.controller.gains[index], experiment.controller.law, plant, link, lever_m),

@@ -81,7 +81,7 @@ def answer(experiment: str, point: OperatingPoint, output: int, times_s: Reals) 
 def largest_gain_study(_: Sequence[Trace]) -> Studied:
     """The largest stable K_P over the spool current, against Table 2."""
     gains = np.array([ultimate_gain(spool_ma) for spool_ma in CURRENTS_MA.tolist()])
-    kp = DOWN_UP_GAINS.kp_a_per_rad / A_PER_RAD_PER_MA_PER_DEG
+    kp = DOWN_UP_GAINS.kp_a_per_q / A_PER_RAD_PER_MA_PER_DEG
     curves = (
         Curve("largest stable K_P", CURRENTS_MA, kp * gains),
         Curve("Table 2", CURRENTS_MA, np.full_like(CURRENTS_MA, kp)),

@@ -105,7 +105,7 @@ def _joints(signals: Any, number: int) -> list[tuple[str, Table, Reals | None]]:
     at, factors = row_of(state, number), (np.rad2deg(1.0), np.rad2deg(1.0), 1e2)
     if at is None:
         return []
-    return [(link, state, _scaled(state, f"q_rad[{k}]", float(factors[k]), at)) for k, link in enumerate(_LINKS)]
+    return [(link, state, _scaled(state, f"q[{k}]", float(factors[k]), at)) for k, link in enumerate(_LINKS)]
 
 
 def _valves(signals: Any) -> list[tuple[str, Table, Reals | None]]:

@@ -30,10 +30,10 @@ class Columns(NamedTuple):
 
     tick: Integers
     time_ns: Integers  # since tick 0
-    q_rad: Reals
-    q_set_rad: Reals
-    qd_rad_per_s: Reals
-    qd_set_rad_per_s: Reals
+    q: Reals
+    q_set: Reals
+    qd: Reals
+    qd_set: Reals
     x_m: Reals
     x_set_m: Reals
     x_nominal_m: Reals
@@ -48,7 +48,7 @@ class Columns(NamedTuple):
     boosted: Integers
     pressure_a_pa: Reals
     pressure_b_pa: Reals
-    true_q_rad: Reals
+    true_q: Reals
     contact_force_n: Reals
 
 
@@ -80,8 +80,8 @@ class Underway(NamedTuple):
     at_valves: LinkCounts
 
 
-_LINKS = ("q_rad", "q_set_rad", "qd_rad_per_s", "qd_set_rad_per_s", "x_m", "x_set_m", "x_nominal_m", "current_a")
-_LINKS_TOO = ("dac_counts", "boosted", "pressure_a_pa", "pressure_b_pa", "true_q_rad")
+_LINKS = ("q", "q_set", "qd", "qd_set", "x_m", "x_set_m", "x_nominal_m", "current_a")
+_LINKS_TOO = ("dac_counts", "boosted", "pressure_a_pa", "pressure_b_pa", "true_q")
 _WIDTHS = {"encoder_counts": (5,)} | dict.fromkeys((*_LINKS, *_LINKS_TOO), (3,))
 _ARMING_ID = 1  # any number but 0: the local cell arms once
 _EPOCH = 1
@@ -159,10 +159,10 @@ def write_row(
     out.clamped[i] = thought.clamped
     out.contact_force_n[i] = seen.contact_force_n
     for k in range(3):
-        out.q_rad[i, k] = thought.q_rad[k]
-        out.q_set_rad[i, k] = thought.q_set_rad[k]
-        out.qd_rad_per_s[i, k] = thought.qd_rad_per_s[k]
-        out.qd_set_rad_per_s[i, k] = thought.qd_set_rad_per_s[k]
+        out.q[i, k] = thought.q[k]
+        out.q_set[i, k] = thought.q_set[k]
+        out.qd[i, k] = thought.qd[k]
+        out.qd_set[i, k] = thought.qd_set[k]
         out.x_m[i, k] = thought.x_m[k]
         out.x_set_m[i, k] = thought.x_set_m[k]
         out.x_nominal_m[i, k] = thought.x_nominal_m[k]
@@ -171,7 +171,7 @@ def write_row(
         out.boosted[i, k] = thought.boosted[k]
         out.pressure_a_pa[i, k] = seen.pressure_a_pa[k]
         out.pressure_b_pa[i, k] = seen.pressure_b_pa[k]
-        out.true_q_rad[i, k] = seen.q_rad[k]
+        out.true_q[i, k] = seen.q[k]
     for k in range(5):
         out.encoder_counts[i, k] = sample.encoder_counts[k]
 

@@ -68,7 +68,7 @@ def setup(experiment: Experiment, limits: GateLimits) -> Setup:
         limits,
         controller_params(experiment.controller, described, first),
         supervisor_params(experiment.supervisor, described, -first, duration_ticks(experiment.duration_s, experiment.plant)),
-        machine_start(experiment.plant.machine, contact, experiment.plant.initial_q_rad),
+        machine_start(experiment.plant.machine, contact, experiment.plant.initial_q),
         first,
         latch_substeps(experiment.plant),
     )

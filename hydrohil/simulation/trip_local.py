@@ -13,7 +13,7 @@ from hydrohil.shared.trips.tables import COMMAND, GROUND_TRUTH, PERMIT, SAMPLE, 
 from hydrohil.shared.trips.watcher import utc_now
 from hydrohil.simulation.rollout import Outcome
 
-_OF_STATE = ("q_rad", "q_set_rad", "qd_rad_per_s", "qd_set_rad_per_s", "x_m", "x_set_m", "x_nominal_m", "force_n", "force_set_n")
+_OF_STATE = ("q", "q_set", "qd", "qd_set", "x_m", "x_set_m", "x_nominal_m", "force_n", "force_set_n")
 _OF_STATE_TOO = ("current_a", "clamped", "boosted")
 _OF_GROUND_TRUTH = ("pressure_a_pa", "pressure_b_pa", "contact_force_n")
 
@@ -37,7 +37,7 @@ def local_report(experiment: Experiment, outcome: Outcome) -> Document | None:
         SAMPLE: _ended(sample, outcome),
         COMMAND: {"echo_number": numbers} | commanded,
         STATE: stamps | _columns(rows, (*_OF_STATE, *_OF_STATE_TOO), first),
-        GROUND_TRUTH: stamps | _columns(rows, _OF_GROUND_TRUTH, first) | _columns(rows, ("true_q_rad",), first),
+        GROUND_TRUTH: stamps | _columns(rows, _OF_GROUND_TRUTH, first) | _columns(rows, ("true_q",), first),
         PERMIT: _permits(outcome, numbers, _column(rows.mode, first)),
     }
     described = describe(experiment.plant, GateLimits())

@@ -79,7 +79,7 @@ def experiment(law: Law, pattern: Pattern) -> Experiment:
         title=f"{LAW_TITLES[law]}, {words} pattern",
         source=f"thesis figure {figure}" if figure else "thesis 4.5.1, in words",
         duration_s=trajectory.duration_s,
-        plant=PlantConfig(initial_q_rad=(0.0, trajectory.start_deg * RAD_PER_DEG, Q3_M), jitter_substeps=JITTER_SUBSTEPS),
+        plant=PlantConfig(initial_q=(0.0, trajectory.start_deg * RAD_PER_DEG, Q3_M), jitter_substeps=JITTER_SUBSTEPS),
         controller=ControllerConfig(law=law, target="joint"),
         reference=trajectory.reference,
         claims=claims4.CLAIMS[descriptive],

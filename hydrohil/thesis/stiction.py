@@ -32,8 +32,8 @@ _MOTION = 'thesis 4.5.3: "the estimate, and therefore the control signal, will d
 
 def signals(trace: Trace) -> tuple[Reals, Reals, Reals, Reals]:
     """Times in s; position error in deg, velocity error in deg/s, error integral in deg s of link 2, (n,) each."""
-    error = (trace.q_set_rad[:, DOWN_UP] - trace.q_rad[:, DOWN_UP]) / RAD_PER_DEG
-    rate = (trace.qd_set_rad_per_s[:, DOWN_UP] - trace.qd_rad_per_s[:, DOWN_UP]) / RAD_PER_DEG
+    error = (trace.q_set[:, DOWN_UP] - trace.q[:, DOWN_UP]) / RAD_PER_DEG
+    rate = (trace.qd_set[:, DOWN_UP] - trace.qd[:, DOWN_UP]) / RAD_PER_DEG
     steps = (error[1:] + error[:-1]) / 2.0 * np.diff(trace.t_s)
     return trace.t_s, error, rate, np.concatenate(([0.0], np.cumsum(steps)))
 

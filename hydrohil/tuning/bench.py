@@ -9,7 +9,7 @@ from hydrohil.experiment.sections import LinkGains
 from hydrohil.shared.units import A_PER_MA, A_PER_RAD_PER_MA_PER_DEG, RAD_PER_DEG
 from hydrohil.tuning import measure
 from hydrohil.tuning.measure import Ringing, lasting, whole
-from hydrohil.tuning.patterns import Law, Pattern, middle_rad, trial
+from hydrohil.tuning.patterns import Law, Pattern, middle_q, trial
 
 Run = Callable[[Experiment, int], Trace]  # one trial with the noise of a seed: on the local clock, or in a live cell
 OUT_IN = 2  # the link that slides
@@ -56,7 +56,7 @@ class Step(NamedTuple):
 
 def middle(bench: Bench) -> float:
     """Where the bench's link is tuned, rad (link 3: m)."""
-    return middle_rad(bench.experiment, bench.link, bench.experiment.controller.gains[bench.link])
+    return middle_q(bench.experiment, bench.link, bench.experiment.controller.gains[bench.link])
 
 
 def play(bench: Bench, law: Law, gains: LinkGains, wanted: Pattern) -> tuple[Trace, ...] | None:

@@ -19,32 +19,32 @@ FINE = (2.0**-0.25, 2.0**0.25)  # about the best of those
 class Braked(NamedTuple):
     """One K_a: median errors of the fastest ramp and the sine, the ramp's overshoot, and the sine's large swings."""
 
-    ka_a_s_per_rad: float
-    ramp_rad: float
-    sine_rad: float
-    overshoot_rad: float
+    ka_a_s_per_q: float
+    ramp_q: float
+    sine_q: float
+    overshoot_q: float
     swing: float
 
 
 def judge(bench: Bench, gains: LinkGains, value: float) -> Braked:
     """Play ramp and sine under the final law; errors are infinite if a trial trips."""
-    link, tried = bench.link, gains._replace(ka_a_s_per_rad=value)
+    link, tried = bench.link, gains._replace(ka_a_s_per_q=value)
     ramp, sine = pattern("large-ramp", link, gains), pattern("sine", link, gains)
     ramped, waved = play(bench, "final", tried, ramp), play(bench, "final", tried, sine)
     if ramped is None or waved is None:
         return Braked(value, math.inf, math.inf, math.inf, math.inf)
     return Braked(
         value,
-        float(np.median([measure.rms_error_rad(trace, link) for trace in ramped])),
-        float(np.median([measure.rms_error_rad(trace, link) for trace in waved])),
-        float(np.median([measure.overshoot_rad(trace, link, ramp) for trace in ramped])),
+        float(np.median([measure.rms_error_q(trace, link) for trace in ramped])),
+        float(np.median([measure.rms_error_q(trace, link) for trace in waved])),
+        float(np.median([measure.overshoot_q(trace, link, ramp) for trace in ramped])),
         float(np.median([measure.large_swings(trace, link) for trace in waved])),
     )
 
 
 def cost(one: Braked, without: Braked) -> float:
     """Mean of both errors, each over what it is without braking: ramp and sine count alike."""
-    return 0.5 * (one.ramp_rad / without.ramp_rad + one.sine_rad / without.sine_rad)
+    return 0.5 * (one.ramp_q / without.ramp_q + one.sine_q / without.sine_q)
 
 
 def holding_current_a(bench: Bench, gains: LinkGains) -> float:
@@ -56,13 +56,13 @@ def holding_current_a(bench: Bench, gains: LinkGains) -> float:
 
 def braking(bench: Bench, gains: LinkGains) -> Step:
     """Step 6: the K_a with the least error on ramp and sine."""
-    natural = holding_current_a(bench, gains) / gains.qd_max_rad_per_s
+    natural = holding_current_a(bench, gains) / gains.qd_max_q_per_s
     tried = tuple(judge(bench, gains, share * natural) for share in SHARES) if math.isfinite(natural) else ()
-    if not tried or not math.isfinite(tried[0].ramp_rad):
+    if not tried or not math.isfinite(tried[0].ramp_q):
         return braking_step(bench, gains, tried, None)
-    while best_of(tried) is tried[-1] and tried[-1].ka_a_s_per_rad * WIDER <= MOST_SHARE * natural:
-        tried += (judge(bench, gains, tried[-1].ka_a_s_per_rad * WIDER),)
-    middle = best_of(tried).ka_a_s_per_rad
+    while best_of(tried) is tried[-1] and tried[-1].ka_a_s_per_q * WIDER <= MOST_SHARE * natural:
+        tried += (judge(bench, gains, tried[-1].ka_a_s_per_q * WIDER),)
+    middle = best_of(tried).ka_a_s_per_q
     tried += tuple(judge(bench, gains, share * middle) for share in FINE if middle > 0.0)
     return braking_step(bench, gains, tried, best_of(tried))
 
@@ -77,7 +77,7 @@ def braking_step(bench: Bench, gains: LinkGains, tried: tuple[Braked, ...], best
     printed, scale, name = a_per_printed(bench.link), rad_per_unit(bench.link), unit(bench.link)
     decision = "without braking the ramp or the sine trips under the final law"
     if best is not None:
-        decision = f"{best.ka_a_s_per_rad / printed:.4g} mA s/{name}: errors {cost(best, tried[0]):.0%} of those without braking"
+        decision = f"{best.ka_a_s_per_q / printed:.4g} mA s/{name}: errors {cost(best, tried[0]):.0%} of those without braking"
     return Step(
         6,
         "braking acceleration: optimum K_a, final law",
@@ -85,15 +85,15 @@ def braking_step(bench: Bench, gains: LinkGains, tried: tuple[Braked, ...], best
         (f"K_a mA s/{name}", f"ramp rms {name}", f"sine rms {name}", "mean share", f"ramp over {name}", "sine swing"),
         tuple(
             (
-                o.ka_a_s_per_rad / printed,
-                o.ramp_rad / scale,
-                o.sine_rad / scale,
+                o.ka_a_s_per_q / printed,
+                o.ramp_q / scale,
+                o.sine_q / scale,
                 cost(o, tried[0]),
-                o.overshoot_rad / scale,
+                o.overshoot_q / scale,
                 o.swing,
             )
             for o in sorted(tried)
         ),
         decision,
-        None if best is None else gains._replace(ka_a_s_per_rad=best.ka_a_s_per_rad),
+        None if best is None else gains._replace(ka_a_s_per_q=best.ka_a_s_per_q),
     )

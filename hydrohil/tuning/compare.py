@@ -49,13 +49,13 @@ def compare(tuning: LinkTuning, name: str, given: LinkGains, criteria: Criteria)
         return Compared(gain, unit_, getattr(tuned, field) / factor, of_given, why(of_given))
 
     return (
-        row("K_P", f"mA/{u}", "kp_a_per_rad", printed, lambda was: why_proportional(by_number[1], was, name, criteria)),
-        row("K_I of PI", f"mA/({u} s)", "linear_ki_a_per_rad_s", printed, lambda was: why_linear(by_number[2], was, name, link)),
-        row("K_I", f"mA/({u} s)", "ki_a_per_rad_s", printed, lambda was: why_integral(by_number[3], was, name)),
-        row("alpha_max", f"{u}2/s2", "alpha_max_rad2_per_s2", scale * scale, lambda was: why_alpha(by_number[4], was, name)),
+        row("K_P", f"mA/{u}", "kp_a_per_q", printed, lambda was: why_proportional(by_number[1], was, name, criteria)),
+        row("K_I of PI", f"mA/({u} s)", "linear_ki_a_per_q_s", printed, lambda was: why_linear(by_number[2], was, name, link)),
+        row("K_I", f"mA/({u} s)", "ki_a_per_q_s", printed, lambda was: why_integral(by_number[3], was, name)),
+        row("alpha_max", f"{u}2/s2", "alpha_max_q2_per_s2", scale * scale, lambda was: why_alpha(by_number[4], was, name)),
         row("U down or out", "mA", "boost_positive_a", A_PER_MA, lambda _: why_threshold(by_number[5], 1)),
         row("U up or in", "mA", "boost_negative_a", A_PER_MA, lambda _: why_threshold(by_number[5], -1)),
-        row("K_a", f"mA s/{u}", "ka_a_s_per_rad", printed, lambda was: why_braking(by_number[6], was, name)),
+        row("K_a", f"mA s/{u}", "ka_a_s_per_q", printed, lambda was: why_braking(by_number[6], was, name)),
     )
 
 

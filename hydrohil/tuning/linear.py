@@ -23,7 +23,7 @@ FOLLOWS = 0.9  # of the set speed: below, the link does not follow and its rippl
 def judge_proportional(bench: Bench, gains: LinkGains, value: float) -> Tried:
     """Ringing at constant speed, turns at rest and share of the set speed under P control; the worst seed."""
     wanted, link = pattern("large-ramp", bench.link, gains), bench.link
-    traces = play(bench, "pi", gains._replace(kp_a_per_rad=value, linear_ki_a_per_rad_s=0.0), wanted)
+    traces = play(bench, "pi", gains._replace(kp_a_per_q=value, linear_ki_a_per_q_s=0.0), wanted)
     if traces is None:
         return Tried(value, False, (math.inf, math.inf, math.inf, 0.0))
     ring = worst_ringing(bench, traces, wanted)
@@ -36,7 +36,7 @@ def judge_proportional(bench: Bench, gains: LinkGains, value: float) -> Tried:
 def proportional(bench: Bench, gains: LinkGains) -> Step:
     """Step 1: the largest K_P of P control whose ringing dies away on the large ramp, less the margin."""
     wanted = pattern("large-ramp", bench.link, gains)
-    first = FULL_CURRENT_A / (FIRST_SHARE * wanted.size_rad)
+    first = FULL_CURRENT_A / (FIRST_SHARE * wanted.size_q)
     ceiling = FULL_CURRENT_A / count_size(LINKS[bench.link])  # one count would ask for full current
     found = largest(
         lambda value: judge_proportional(bench, gains, value),
@@ -60,7 +60,7 @@ def proportional_step(bench: Bench, gains: LinkGains, found: Found) -> Step:
     elif best.numbers[3] < FOLLOWS:
         decision = (
             f"the link reaches {best.numbers[3]:.0%} of the set speed: it is stuck or too slow; "
-            "lower the link's qd_max_rad_per_s, or look at supply and friction"
+            "lower the link's qd_max_q_per_s, or look at supply and friction"
         )
     else:
         value = best.value / criteria.margin
@@ -72,28 +72,28 @@ def proportional_step(bench: Bench, gains: LinkGains, found: Found) -> Step:
         (f"K_P {name}", "ripple early", "late, counts", "turns at rest", "speed/set", "stable"),
         tuple((one.value / printed, *one.numbers, yes(one.passed)) for one in found.tried),
         decision,
-        None if value is None else gains._replace(kp_a_per_rad=value),
+        None if value is None else gains._replace(kp_a_per_q=value),
     )
 
 
 def judge_integral(bench: Bench, gains: LinkGains, value: float) -> Tried:
     """Wind-up on the large step, ringing, turns at rest and error on the large ramp under linear PI; the worst seed."""
-    link, criteria, tried = bench.link, bench.criteria, gains._replace(linear_ki_a_per_rad_s=value)
+    link, criteria, tried = bench.link, bench.criteria, gains._replace(linear_ki_a_per_q_s=value)
     step, ramp = pattern("large-step", link, gains), pattern("large-ramp", link, gains)
     stepped, ramped = play(bench, "pi", tried, step), play(bench, "pi", tried, ramp)
     if stepped is None or ramped is None:
         return Tried(value, False, (math.inf,) * 5)
-    windup = max(measure.overshoot_rad(trace, link, step) for trace in stepped) / step.size_rad
+    windup = max(measure.overshoot_q(trace, link, step) for trace in stepped) / step.size_q
     ring = worst_ringing(bench, ramped, ramp)
     hunting = max(measure.hunting(trace, link, ramp) for trace in ramped)
-    error = float(np.median([measure.rms_error_rad(trace, link) for trace in ramped]))
+    error = float(np.median([measure.rms_error_q(trace, link) for trace in ramped]))
     steady = not rings_on(bench.criteria, ring) and hunting <= criteria.hunting
     return Tried(value, steady and windup <= criteria.windup_share, (windup, *ring, float(hunting), error))
 
 
 def integral(bench: Bench, gains: LinkGains) -> Step:
     """Step 2: the largest K_I of linear PI that is stable and winds up by no more than a share of the large step."""
-    first = gains.kp_a_per_rad * FIRST_RATE_PER_S
+    first = gains.kp_a_per_q * FIRST_RATE_PER_S
     found = largest(
         lambda value: judge_integral(bench, gains, value),
         first,
@@ -127,5 +127,5 @@ def integral_step(bench: Bench, gains: LinkGains, found: Found) -> Step:
         ),
         tuple((o.value / printed, *o.numbers[:4], o.numbers[4] / scale, yes(o.passed)) for o in found.tried),
         decision,
-        None if best is None else gains._replace(linear_ki_a_per_rad_s=best.value),
+        None if best is None else gains._replace(linear_ki_a_per_q_s=best.value),
     )

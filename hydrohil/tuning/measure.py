@@ -79,17 +79,17 @@ def hunting(trace: Trace, link: int, wanted: Pattern) -> int:
     return max(swings(measured(window(trace, *rest), LINKS[link]), least) for rest in wanted.rests_s)
 
 
-def overshoot_rad(trace: Trace, link: int, wanted: Pattern) -> float:
+def overshoot_q(trace: Trace, link: int, wanted: Pattern) -> float:
     """How far the link goes beyond the end of its way there or back; the worse."""
     return max(tracking.overshoot(window(trace, *half), LINKS[link]) for half in wanted.halves_s)
 
 
 def overshoot_counts(trace: Trace, link: int, wanted: Pattern) -> float:
     """The same in encoder counts."""
-    return overshoot_rad(trace, link, wanted) / count_size(LINKS[link])
+    return overshoot_q(trace, link, wanted) / count_size(LINKS[link])
 
 
-def rms_error_rad(trace: Trace, link: int) -> float:
+def rms_error_q(trace: Trace, link: int) -> float:
     """Root mean square of set-point minus measured over the whole trial."""
     return rms(error(trace, LINKS[link]))
 

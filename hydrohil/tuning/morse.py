@@ -29,7 +29,7 @@ class Tuned(NamedTuple):
 
 def judge_integral(bench: Bench, gains: LinkGains, value: float) -> Tried:
     """Error and ringing of the fastest ramp; turns at rest, overshoot of the small step, large swings of the sine; worst seed."""
-    link, criteria, tried = bench.link, bench.criteria, gains._replace(ki_a_per_rad_s=value)
+    link, criteria, tried = bench.link, bench.criteria, gains._replace(ki_a_per_q_s=value)
     ramp, step, small, sine = (pattern(name, link, gains) for name in ("large-ramp", "small-step", "small-ramp", "sine"))
     ramped, stepped, crept, waved = (play(bench, "morse", tried, wanted) for wanted in (ramp, step, small, sine))
     if ramped is None or stepped is None or crept is None or waved is None:
@@ -39,7 +39,7 @@ def judge_integral(bench: Bench, gains: LinkGains, value: float) -> Tried:
     turns = max(measure.hunting(trace, link, wanted) for wanted, traces in rests for trace in traces)
     overshoot = max(measure.overshoot_counts(trace, link, step) for trace in stepped)
     swing = max(measure.large_swings(trace, link) for trace in waved)
-    error = float(np.median([measure.rms_error_rad(trace, link) for trace in ramped]))
+    error = float(np.median([measure.rms_error_q(trace, link) for trace in ramped]))
     numbers = (error, *ring, float(turns), overshoot, swing)
     return Tried(value, not suffers(criteria, numbers), numbers)
 
@@ -60,7 +60,7 @@ def suffers(criteria: Criteria, numbers: tuple[float, ...]) -> str:
 
 def judge_alpha(bench: Bench, gains: LinkGains, alpha: float) -> Tried:
     """The same numbers at `alpha`."""
-    return judge_integral(bench, gains._replace(alpha_max_rad2_per_s2=alpha), gains.ki_a_per_rad_s)._replace(value=alpha)
+    return judge_integral(bench, gains._replace(alpha_max_q2_per_s2=alpha), gains.ki_a_per_q_s)._replace(value=alpha)
 
 
 def best_alpha(tried: tuple[Tried, ...], cost: float) -> Tried | None:
@@ -83,19 +83,19 @@ def morse(bench: Bench, gains: LinkGains) -> tuple[Step, ...]:
 
 def tune(bench: Bench, gains: LinkGains) -> Tuned:
     """K_I where alpha is so large that only true wind-up resets the integral, then alpha at that K_I."""
-    criteria, first = bench.criteria, gains.linear_ki_a_per_rad_s
-    alphas = tuple(share * gains.qd_max_rad_per_s * gains.qd_max_rad_per_s for share in ALPHAS)
-    free = gains._replace(alpha_max_rad2_per_s2=alphas[-1])
+    criteria, first = bench.criteria, gains.linear_ki_a_per_q_s
+    alphas = tuple(share * gains.qd_max_q_per_s * gains.qd_max_q_per_s for share in ALPHAS)
+    free = gains._replace(alpha_max_q2_per_s2=alphas[-1])
     found = largest(
         lambda value: judge_integral(bench, free, value), first, FACTOR, first * WIDEST, first / WIDEST, criteria.precision
     )
     best = best_integral(found)
     if best is None:
         return Tuned(found, None, (), None)
-    tuned = free._replace(ki_a_per_rad_s=best.value)
+    tuned = free._replace(ki_a_per_q_s=best.value)
     tried = tuple(judge_alpha(bench, tuned, alpha) for alpha in alphas)
     chosen = best_alpha(tried, criteria.alpha_cost)
-    return Tuned(found, tuned, tried, None if chosen is None else tuned._replace(alpha_max_rad2_per_s2=chosen.value))
+    return Tuned(found, tuned, tried, None if chosen is None else tuned._replace(alpha_max_q2_per_s2=chosen.value))
 
 
 def limit(found: Found, best: Tried, criteria: Criteria, printed: float) -> str:
@@ -131,7 +131,7 @@ def alpha_step(bench: Bench, tuned: Tuned) -> Step:
     square, name, cost = scale * scale, f"{unit(bench.link)}2/s2", bench.criteria.alpha_cost
     decision = "at every alpha that was tried a pattern suffers"
     if tuned.gains is not None:
-        decision = f"{tuned.gains.alpha_max_rad2_per_s2 / square:.4g} {name}"
+        decision = f"{tuned.gains.alpha_max_q2_per_s2 / square:.4g} {name}"
     return Step(
         4,
         "alpha_max: optimum alpha, modified Morse law",

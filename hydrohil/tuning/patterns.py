@@ -20,10 +20,10 @@ class Pattern(NamedTuple):
     """A set-point of one link, there and back: rad, or m for link 3."""
 
     name: str
-    start_rad: float  # from the middle of the place where the link is tuned
+    start_q: float  # from the middle of the place where the link is tuned
     reference: tuple[Segment, ...]
     duration_s: float
-    size_rad: float
+    size_q: float
 
     @property
     def cruises_s(self) -> tuple[tuple[float, float], ...]:
@@ -45,7 +45,7 @@ class Pattern(NamedTuple):
 def pattern(name: PatternName, link: int, gains: LinkGains) -> Pattern:
     """A pattern of chapter 4 with every amount scaled by `link`'s fastest set speed over 10 deg/s."""
     trajectory: Trajectory = TRAJECTORIES[name]
-    scale = gains.qd_max_rad_per_s / FASTEST_RAD_PER_S
+    scale = gains.qd_max_q_per_s / FASTEST_RAD_PER_S
     sizes = {"large-ramp": LARGE_DEG, "large-step": LARGE_DEG}
     return Pattern(
         name,
@@ -61,17 +61,17 @@ def _scaled(segment: Segment, link: int, scale: float) -> Segment:
     return segment._replace(channel=LINKS[link], amount=segment.amount * scale, amount_end=end)
 
 
-def slow_ramp(link: int, start_rad: float, speed_rad_per_s: float, duration_s: float) -> Pattern:
+def slow_ramp(link: int, start_q: float, speed_q_per_s: float, duration_s: float) -> Pattern:
     """A set-point that creeps away for the whole trial, so that a proportional law raises its current slowly."""
-    size = speed_rad_per_s * duration_s
-    return Pattern("slow ramp", start_rad, (Segment(LINKS[link], "ramp", 0.0, duration_s, size),), duration_s, size)
+    size = speed_q_per_s * duration_s
+    return Pattern("slow ramp", start_q, (Segment(LINKS[link], "ramp", 0.0, duration_s, size),), duration_s, size)
 
 
-def middle_rad(experiment: Experiment, link: int, gains: LinkGains) -> float:
+def middle_q(experiment: Experiment, link: int, gains: LinkGains) -> float:
     """Where the link is tuned: its initial pose, moved so far that the large pattern and as much again fit into its limits."""
-    reach = LARGE_DEG * RAD_PER_DEG * gains.qd_max_rad_per_s / FASTEST_RAD_PER_S
-    low, high = experiment.supervisor.joint_low_rad[link] + reach, experiment.supervisor.joint_high_rad[link] - reach
-    return 0.5 * (low + high) if low > high else min(max(experiment.plant.initial_q_rad[link], low), high)
+    reach = LARGE_DEG * RAD_PER_DEG * gains.qd_max_q_per_s / FASTEST_RAD_PER_S
+    low, high = experiment.supervisor.joint_low_q[link] + reach, experiment.supervisor.joint_high_q[link] - reach
+    return 0.5 * (low + high) if low > high else min(max(experiment.plant.initial_q[link], low), high)
 
 
 def trial(experiment: Experiment, link: int, law: Law, gains: LinkGains, wanted: Pattern, middle: float) -> Experiment:
@@ -79,8 +79,8 @@ def trial(experiment: Experiment, link: int, law: Law, gains: LinkGains, wanted:
 
     The other valves stay shut: each link is tuned in isolation (Appendix C).
     """
-    pose, all_gains = list(experiment.plant.initial_q_rad), list(experiment.controller.gains)
-    pose[link], all_gains[link] = middle + wanted.start_rad, gains
+    pose, all_gains = list(experiment.plant.initial_q), list(experiment.controller.gains)
+    pose[link], all_gains[link] = middle + wanted.start_q, gains
     controller = experiment.controller._replace(
         law=law,
         target="joint",
@@ -89,7 +89,7 @@ def trial(experiment: Experiment, link: int, law: Law, gains: LinkGains, wanted:
         impedance=ImpedanceConfig(),
         adaptation=AdaptationConfig(),
     )
-    plant = experiment.plant._replace(environment=Environment(), initial_q_rad=(pose[0], pose[1], pose[2]))
+    plant = experiment.plant._replace(environment=Environment(), initial_q=(pose[0], pose[1], pose[2]))
     return experiment._replace(
         name=f"tune-{LINKS[link]}",
         alias=f"tune-{LINKS[link]}",

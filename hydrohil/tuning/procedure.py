@@ -32,8 +32,8 @@ class Worth(NamedTuple):
     """Median rms error of the final law on one pattern, with two sets of gains; infinite where a trial trips."""
 
     pattern: str
-    before_rad: float
-    tuned_rad: float
+    before_q: float
+    tuned_q: float
 
 
 class LinkTuning(NamedTuple):
@@ -67,12 +67,12 @@ def steps(bench: Bench) -> Iterator[Step]:
 def worth(bench: Bench, tuned: LinkGains) -> tuple[Worth, ...]:
     """The final law on the five patterns, with the experiment's own gains and with the tuned ones."""
     before = bench.experiment.controller.gains[bench.link]
-    return tuple(Worth(name, _error_rad(bench, before, name), _error_rad(bench, tuned, name)) for name in PATTERNS)
+    return tuple(Worth(name, _error_q(bench, before, name), _error_q(bench, tuned, name)) for name in PATTERNS)
 
 
-def _error_rad(bench: Bench, gains: LinkGains, name: PatternName) -> float:
+def _error_q(bench: Bench, gains: LinkGains, name: PatternName) -> float:
     traces = play(bench, "final", gains, pattern(name, bench.link, gains))
-    return math.inf if traces is None else float(np.median([measure.rms_error_rad(trace, bench.link) for trace in traces]))
+    return math.inf if traces is None else float(np.median([measure.rms_error_q(trace, bench.link) for trace in traces]))
 
 
 def tune_link(bench: Bench, watch: Callable[[int, Step], None] = lambda link, step: None) -> LinkTuning:

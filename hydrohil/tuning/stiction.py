@@ -24,19 +24,19 @@ DIRECTIONS = (1, -1)  # down or out, up or in
 class Breakaway(NamedTuple):
     """One creeping set-point: the current at which the link broke loose, median of the seeds (NaN: it stuck)."""
 
-    place_rad: float
+    place_q: float
     rate_a_per_s: float
     direction: int
     current_a: float
 
 
-def breakaway(bench: Bench, gains: LinkGains, place_rad: float, rate_a_per_s: float, direction: int) -> Breakaway:
+def breakaway(bench: Bench, gains: LinkGains, place_q: float, rate_a_per_s: float, direction: int) -> Breakaway:
     """Play a creeping set-point from one place in one direction."""
-    speed = direction * rate_a_per_s / gains.kp_a_per_rad
-    wanted = slow_ramp(bench.link, place_rad, speed, HIGHEST_A / rate_a_per_s)
-    traces = play(bench, "pi", gains._replace(linear_ki_a_per_rad_s=0.0), wanted) or ()
+    speed = direction * rate_a_per_s / gains.kp_a_per_q
+    wanted = slow_ramp(bench.link, place_q, speed, HIGHEST_A / rate_a_per_s)
+    traces = play(bench, "pi", gains._replace(linear_ki_a_per_q_s=0.0), wanted) or ()
     currents = [measure.breakaway_a(trace, bench.link) for trace in traces]
-    return Breakaway(place_rad, rate_a_per_s, direction, float(np.median(currents)) if currents else math.nan)
+    return Breakaway(place_q, rate_a_per_s, direction, float(np.median(currents)) if currents else math.nan)
 
 
 def threshold(tried: tuple[Breakaway, ...], direction: int) -> float:
@@ -47,7 +47,7 @@ def threshold(tried: tuple[Breakaway, ...], direction: int) -> float:
 
 def stiction(bench: Bench, gains: LinkGains) -> Step:
     """Step 5: thresholds for VETIA, which fires below the same share of the weaker one as before."""
-    size = pattern("large-ramp", bench.link, gains).size_rad
+    size = pattern("large-ramp", bench.link, gains).size_q
     tried = tuple(breakaway(bench, gains, share * size, SLOW_A_PER_S, way) for way in DIRECTIONS for share in PLACES)
     tried += tuple(breakaway(bench, gains, 0.0, FAST_A_PER_S, way) for way in DIRECTIONS)
     return stiction_step(bench, gains, tried)
@@ -71,7 +71,7 @@ def stiction_step(bench: Bench, gains: LinkGains, tried: tuple[Breakaway, ...]) 
         "largest current before the second encoder count; median of places",
         (f"place {unit(bench.link)}", "current rises, mA/s", "direction", "broke loose at, mA"),
         tuple(
-            (o.place_rad / rad_per_unit(bench.link), o.rate_a_per_s / A_PER_MA, f"{o.direction:+d}", o.current_a / A_PER_MA)
+            (o.place_q / rad_per_unit(bench.link), o.rate_a_per_s / A_PER_MA, f"{o.direction:+d}", o.current_a / A_PER_MA)
             for o in tried
         ),
         decision,

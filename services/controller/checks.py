@@ -33,18 +33,18 @@ LINKS = ("rotate", "down/up", "out/in")
 
 
 def check(
-    config: ControllerConfig, reference: Reference, q0_rad: Triple, pitch_rad: float = 0.0, met: ContactEnvironment | None = None
+    config: ControllerConfig, reference: Reference, q0: Triple, pitch_rad: float = 0.0, met: ContactEnvironment | None = None
 ) -> None:
     """Raise ValueError, one line, for a configuration whose fields are each valid but do not fit together.
 
     Where it is known what the tool meets, the force set-point must not take it out of the travel either.
     """
-    for _ in examine(config, reference, q0_rad, pitch_rad, met):
+    for _ in examine(config, reference, q0, pitch_rad, met):
         pass
 
 
 def examine(
-    config: ControllerConfig, reference: Reference, q0_rad: Triple, pitch_rad: float = 0.0, met: ContactEnvironment | None = None
+    config: ControllerConfig, reference: Reference, q0: Triple, pitch_rad: float = 0.0, met: ContactEnvironment | None = None
 ) -> Iterator[None]:
     """`check` in steps, each short enough to be taken between two samples; raises as `check` does."""
     impedance = config.impedance
@@ -68,11 +68,11 @@ def examine(
         if segment.channel in JOINT_CHANNELS and not config.acting[JOINT_CHANNELS.index(segment.channel)]:
             raise ValueError(f"reference segment {index} moves {segment.channel}, which controller.acting holds still")
         check_segment(segment, config.target, f"reference segment {index} ({segment.channel}, {segment.kind})")
-    if not all(map(math.isfinite, (*q0_rad, pitch_rad))):
-        raise ValueError(f"plant: the start pose {q0_rad} (rad, rad, m) is not finite; give numbers")
-    check_travel(config.target, reference, q0_rad, pitch_rad)
+    if not all(map(math.isfinite, (*q0, pitch_rad))):
+        raise ValueError(f"plant: the start pose {q0} (rad, rad, m) is not finite; give numbers")
+    check_travel(config.target, reference, q0, pitch_rad)
     if met is not None and config.target == "impedance":
-        yield from check_push(config.impedance, reference, q0_rad, pitch_rad, met)
+        yield from check_push(config.impedance, reference, q0, pitch_rad, met)
 
 
 def check_measured(config: ControllerConfig) -> None:
@@ -129,17 +129,17 @@ def check_segment(segment: Segment, target: str, name: str) -> None:
 
 
 @lru_cache(maxsize=64)
-def check_travel(target: str, reference: Reference, q0_rad: Triple, pitch_rad: float) -> None:
+def check_travel(target: str, reference: Reference, q0: Triple, pitch_rad: float) -> None:
     """Raise ValueError where the reference, before any force acts, leaves the travel of a link.
 
     It samples all of the reference, and thousands of trials share one: what was found right is remembered.
     """
     table = segment_table(reference)
-    x0_m = forward(UNIMATE_GEOMETRY, q0_rad, pitch_rad)
+    x0_m = forward(UNIMATE_GEOMETRY, q0, pitch_rad)
     for time_s in check_times(reference):
         deltas = reference_deltas(table, time_s)
         if target == "joint":
-            _, clamped = clamp_joints(UNIMATE_GEOMETRY, (q0_rad[0] + deltas[0], q0_rad[1] + deltas[1], q0_rad[2] + deltas[2]))
+            _, clamped = clamp_joints(UNIMATE_GEOMETRY, (q0[0] + deltas[0], q0[1] + deltas[1], q0[2] + deltas[2]))
         else:
             _, clamped = inverse(UNIMATE_GEOMETRY, (x0_m[0] + deltas[3], x0_m[1] + deltas[4], x0_m[2] + deltas[5]), pitch_rad)
         if clamped:
@@ -147,11 +147,11 @@ def check_travel(target: str, reference: Reference, q0_rad: Triple, pitch_rad: f
 
 
 def check_push(
-    impedance: ImpedanceConfig, reference: Reference, q0_rad: Triple, pitch_rad: float, met: ContactEnvironment
+    impedance: ImpedanceConfig, reference: Reference, q0: Triple, pitch_rad: float, met: ContactEnvironment
 ) -> Iterator[None]:
     """Raise ValueError where the force set-point, held, would take the tool out of the travel of a link; in steps."""
     table, k = segment_table(reference), impedance.stiffness_n_per_m
-    x0_m, axis = forward(UNIMATE_GEOMETRY, q0_rad, pitch_rad), met.force_axis
+    x0_m, axis = forward(UNIMATE_GEOMETRY, q0, pitch_rad), met.force_axis
     gain = impedance_params(impedance, axis, met.force_sign).force_gain
     for number, time_s in enumerate(check_times(reference), 1):
         deltas = reference_deltas(table, time_s)
@@ -178,7 +178,7 @@ def check_times(reference: Reference) -> tuple[float, ...]:
 
 def clamped_links(mask: int) -> str:
     """Links of a clamp mask and where their travel ends, e.g. 'down/up (high, 0.471 rad)'."""
-    ends = zip(UNIMATE_GEOMETRY.low_rad, UNIMATE_GEOMETRY.high_rad, strict=True)
+    ends = zip(UNIMATE_GEOMETRY.low_q, UNIMATE_GEOMETRY.high_q, strict=True)
     limits = [  # in the order of the mask's bits
         f"{link} ({side}, {value:.3g} {unit})"
         for link, unit, both in zip(LINKS, ("rad", "rad", "m"), ends, strict=True)

@@ -167,7 +167,7 @@ def kernel_gains(gains: LinkGains, target: str) -> LinkGains:
     The dead zone ignores what an encoder cannot resolve; the program's `equiv_f_cont` has none, as a force has no counts.
     """
     floats = LinkGains(*(float(gain) for gain in gains))
-    return floats._replace(error_dead_zone_rad=0.0) if target == "explicit" else floats
+    return floats._replace(error_dead_zone_q=0.0) if target == "explicit" else floats
 
 
 def force_cutoff_rad_per_s(config: ImpedanceConfig) -> float:

@@ -26,7 +26,7 @@ def clamp_link(value: float, low: float, high: float, low_bit: int, high_bit: in
 @kernel
 def clamp_joints(geometry: Geometry, q: Triple) -> tuple[Triple, int]:
     """Joint positions inside the travel of every link, and the bit mask of what was clamped."""
-    low, high = geometry.low_rad, geometry.high_rad
+    low, high = geometry.low_q, geometry.high_q
     q1, bit_1 = clamp_link(q[0], low[0], high[0], CLAMPED_LOW[0], CLAMPED_HIGH[0])
     q2, bit_2 = clamp_link(q[1], low[1], high[1], CLAMPED_LOW[1], CLAMPED_HIGH[1])
     q3, bit_3 = clamp_link(q[2], low[2], high[2], CLAMPED_LOW[2], CLAMPED_HIGH[2])

@@ -28,9 +28,9 @@ class LinkLawState(NamedTuple):
 
     integral_a: float = 0.0
     boost_armed: int = 1  # 0 = this stiction event has had its boost
-    qd_set_rad_per_s: float = 0.0  # of the last sample, for the braking acceleration
+    qd_set: float = 0.0  # of the last sample, for the braking acceleration
     relay: int = 0  # sign of the hysteretic compensation
-    peak_rad_per_s: float = 0.0  # largest set-point speed since it last stood or turned round
+    peak_q_per_s: float = 0.0  # largest set-point speed since it last stood or turned round
 
 
 AT_REST = LinkLawState()
@@ -40,7 +40,7 @@ AT_REST = LinkLawState()
 def position_error(gains: LinkGains, q: float, q_set: float, qd_set: float) -> float:
     """e = q_s - q, zero inside the dead zone while the set-point is slow (against random walk of the integral, 4.3)."""
     e = q_set - q
-    if abs(e) < gains.error_dead_zone_rad and abs(qd_set) < gains.dead_zone_speed_rad_per_s:
+    if abs(e) < gains.error_dead_zone_q and abs(qd_set) < gains.dead_zone_speed_q_per_s:
         return 0.0
     return e
 
@@ -48,7 +48,7 @@ def position_error(gains: LinkGains, q: float, q_set: float, qd_set: float) -> f
 @kernel
 def morse_factor(gains: LinkGains, qd: float, qd_set: float) -> float:
     """a / (a + e'^2),  a = alpha_max (0.001 + |q_s'| / q'_max): resets the integral where it could wind up (4.4)."""
-    alpha = gains.alpha_max_rad2_per_s2 * (ALPHA_FLOOR + abs(qd_set / gains.qd_max_rad_per_s))
+    alpha = gains.alpha_max_q2_per_s2 * (ALPHA_FLOOR + abs(qd_set / gains.qd_max_q_per_s))
     ed = qd_set - qd
     return alpha / (alpha + ed * ed)
 
@@ -59,7 +59,7 @@ def braking_acceleration(gains: LinkGains, qd_set: float, last_qd_set: float, dt
     if dt_s <= 0.0:
         return 0.0
     acceleration = (qd_set - last_qd_set) / dt_s
-    clip = gains.braking_clip_rad_per_s2
+    clip = gains.braking_clip_q_per_s2
     if acceleration > 0.0 and qd_set < 0.0:
         return clip if acceleration > clip else acceleration
     if acceleration < 0.0 and qd_set > 0.0:
@@ -71,39 +71,39 @@ def braking_acceleration(gains: LinkGains, qd_set: float, last_qd_set: float, dt
 def peak_speed(state: LinkLawState, qd_set: float) -> float:
     """Largest set-point speed since the set-point last stood or turned round: the size of the motion that is braked."""
     speed = abs(qd_set)
-    if state.peak_rad_per_s > speed and qd_set * state.qd_set_rad_per_s > 0.0:
-        return state.peak_rad_per_s
+    if state.peak_q_per_s > speed and qd_set * state.qd_set > 0.0:
+        return state.peak_q_per_s
     return speed
 
 
 @kernel
-def braking_gain(gains: LinkGains, law: int, peak_rad_per_s: float) -> float:
+def braking_gain(gains: LinkGains, law: int, peak_q_per_s: float) -> float:
     """K_a; of the robust law max(K_a, U_b / v): braking from v to rest takes K_a v, and never less than U_b (9.2.1).
 
     Any motion, however slow, needs the valve's threshold current, which K_a v forgets. Below e_min nothing was boosted
     and K_a stays: a set-point that the force's noise moves would otherwise drain the integral again and again.
     """
-    if law != LAW_ROBUST or peak_rad_per_s <= gains.stiction_rate_min_rad_per_s:
-        return gains.ka_a_s_per_rad
-    if gains.ka_a_s_per_rad * peak_rad_per_s < gains.braking_least_a:
-        return gains.braking_least_a / peak_rad_per_s
-    return gains.ka_a_s_per_rad
+    if law != LAW_ROBUST or peak_q_per_s <= gains.stiction_rate_min_q_per_s:
+        return gains.ka_a_s_per_q
+    if gains.ka_a_s_per_q * peak_q_per_s < gains.braking_least_a:
+        return gains.braking_least_a / peak_q_per_s
+    return gains.ka_a_s_per_q
 
 
 @kernel
-def load_feedforward(gains: LinkGains, law: int, load_nm: float) -> float:
+def load_feedforward(gains: LinkGains, law: int, load_tau: float) -> float:
     """-k_tau tau: current against the load tau = J^T f that the environment puts on the link, positive down and out (9.2.2).
 
     Added behind the law, so that a boost breaks away from what the load leaves to overcome: less where it aids the motion.
     """
-    return -gains.load_feedforward_a_per_nm * load_nm if law == LAW_TORQUE else 0.0
+    return -gains.load_feedforward_a_per_tau * load_tau if law == LAW_TORQUE else 0.0
 
 
 @kernel
 def stiction_rate(gains: LinkGains, qd: float, qd_set: float) -> float:
     """Velocity error caused by stiction,  (q_s' - q') q_s'^2 / (q_s'^2 + beta q'^2 + eps)  (4.5.3, `anti_stick_boost`)."""
     square = qd_set * qd_set
-    return (qd_set - qd) * square / (square + gains.stiction_selectivity * qd * qd + gains.stiction_epsilon_rad2_per_s2)
+    return (qd_set - qd) * square / (square + gains.stiction_selectivity * qd * qd + gains.stiction_epsilon_q2_per_s2)
 
 
 @kernel
@@ -136,11 +136,11 @@ def boosted_integral(gains: LinkGains, armed: int, rate: float, integral_a: floa
 
     The program's algebra: it fires below `boost_below_a`, boosts beyond it, and the boost acts one sample later.
     """
-    if rate > gains.stiction_rate_min_rad_per_s:
+    if rate > gains.stiction_rate_min_q_per_s:
         if armed == 1 and current_a < gains.boost_below_a:
             return integral_a + (gains.boost_positive_a - current_a), 0, 1
         return integral_a, armed, 0
-    if rate < -gains.stiction_rate_min_rad_per_s:
+    if rate < -gains.stiction_rate_min_q_per_s:
         if armed == 1 and current_a > -gains.boost_below_a:
             return integral_a + (-gains.boost_negative_a - current_a), 0, 1
         return integral_a, armed, 0
@@ -186,15 +186,15 @@ def uncompensated(gains: LinkGains, law: int, relay: int, current_a: float) -> t
 
 @kernel
 def take_over(
-    state: LinkLawState, gains: LinkGains, law: int, q: float, q_set: float, qd_set: float, load_nm: float, held_a: float
+    state: LinkLawState, gains: LinkGains, law: int, q: float, q_set: float, qd_set: float, load_tau: float, held_a: float
 ) -> LinkLawState:
     """A law that begins, or has other gains, where the valve stands at `held_a`: I so that  K_P e + I  gives just that.
 
     Bumpless transfer: the state of the new controller is set so that its output is what the actuator really has (Hanus,
     Kinnaert, Henrotte 1987, conditioning); for other gains it keeps P + I (Astrom, Hagglund 1995, bumpless parameter changes).
     """
-    current_a, relay = uncompensated(gains, law, state.relay, held_a - load_feedforward(gains, law, load_nm))
-    integral_a = current_a - gains.kp_a_per_rad * position_error(gains, q, q_set, qd_set)
+    current_a, relay = uncompensated(gains, law, state.relay, held_a - load_feedforward(gains, law, load_tau))
+    integral_a = current_a - gains.kp_a_per_q * position_error(gains, q, q_set, qd_set)
     return LinkLawState(integral_a, state.boost_armed, qd_set, relay, peak_speed(state, qd_set))
 
 
@@ -206,14 +206,14 @@ def law_step(
     e = position_error(gains, q, q_set, qd_set)
     peak = peak_speed(state, qd_set)
     if law == LAW_PI:
-        integral = state.integral_a + gains.linear_ki_a_per_rad_s * e * dt_s
+        integral = state.integral_a + gains.linear_ki_a_per_q_s * e * dt_s
     else:
-        integral = state.integral_a + gains.ki_a_per_rad_s * e * dt_s
+        integral = state.integral_a + gains.ki_a_per_q_s * e * dt_s
         if law in (LAW_FINAL, LAW_ROBUST, LAW_TORQUE):
-            braking = braking_acceleration(gains, qd_set, state.qd_set_rad_per_s, dt_s)
+            braking = braking_acceleration(gains, qd_set, state.qd_set, dt_s)
             integral += braking_gain(gains, law, peak) * braking * dt_s
         integral *= morse_factor(gains, qd, qd_set)
-    current_a = gains.kp_a_per_rad * e + integral
+    current_a = gains.kp_a_per_q * e + integral
     added_a, relay = compensation(gains, law, state.relay, current_a)
     armed, boosted = state.boost_armed, 0
     if law in (LAW_VETIA, LAW_FINAL, LAW_ROBUST, LAW_TORQUE):

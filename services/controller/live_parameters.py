@@ -23,7 +23,7 @@ class Loaded(NamedTuple):
 
     schedule: ParameterSchedule
     reference: Reference
-    q0_rad: Triple
+    q0: Triple
     pitch_rad: float
     met: ContactEnvironment
     lockstep: bool
@@ -67,9 +67,9 @@ class Parameters:
             after = assigned(self.schedule.target, assignments)
         except ValueError as error:
             return request.refuse(str(error))
-        _, reference, q0_rad, pitch_rad, met, _ = self.loaded
+        _, reference, q0, pitch_rad, met, _ = self.loaded
         pushed = met if after.impedance != self.schedule.target.impedance else None  # else the load has found its push right
-        self._wanted = Wanted(request, after, examine(after, reference, q0_rad, pitch_rad, pushed))
+        self._wanted = Wanted(request, after, examine(after, reference, q0, pitch_rad, pushed))
         self.busy = True
         return None
 

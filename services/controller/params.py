@@ -1,6 +1,6 @@
 """Gains of the position laws (thesis Table 2 and the program of Appendix F) and what the controller's kernels need.
 
-Links 1 and 2 turn (rad), link 3 slides (m): where a suffix says rad, read m for link 3, and N for N m.
+The suffixes `q` (rad, or m for link 3) and `tau` (N m, or N for link 3) are those of `shared/units.py`.
 """
 
 from typing import Annotated, NamedTuple
@@ -28,27 +28,27 @@ TIGHT_SAMPLES = 20  # until the regression has seen only the running law
 class LinkGains(NamedTuple):
     """Gains of one link's position law; defaults are link 2, the one that the thesis tuned on."""
 
-    kp_a_per_rad: Annotated[float, Ge(0)] = 215 * A_PER_RAD_PER_MA_PER_DEG  # K_P, Table 2
-    ki_a_per_rad_s: Annotated[float, Ge(0)] = 1151 * A_PER_RAD_PER_MA_PER_DEG  # K_I of the nonlinear laws, Table 2
-    linear_ki_a_per_rad_s: Annotated[float, Ge(0)] = 115 * A_PER_RAD_PER_MA_PER_DEG  # K_I of the linear PI law, 4.3
-    alpha_max_rad2_per_s2: Annotated[float, Gt(0)] = 8000 * SQUARE_RAD_PER_DEG  # Table 2
-    qd_max_rad_per_s: Annotated[float, Gt(0)] = 10 * RAD_PER_DEG  # Table 2
-    error_dead_zone_rad: Annotated[float, Ge(0)] = 2 * 0.03 * RAD_PER_DEG  # 2 minerr, 2.1 encoder counts
-    dead_zone_speed_rad_per_s: Annotated[float, Ge(0)] = 0.03 * RAD_PER_DEG  # minerr, compared with deg/s
-    stiction_rate_min_rad_per_s: Annotated[float, Ge(0)] = 0.15 * RAD_PER_DEG  # e_min, Table 2
+    kp_a_per_q: Annotated[float, Ge(0)] = 215 * A_PER_RAD_PER_MA_PER_DEG  # K_P, Table 2
+    ki_a_per_q_s: Annotated[float, Ge(0)] = 1151 * A_PER_RAD_PER_MA_PER_DEG  # K_I of the nonlinear laws, Table 2
+    linear_ki_a_per_q_s: Annotated[float, Ge(0)] = 115 * A_PER_RAD_PER_MA_PER_DEG  # K_I of the linear PI law, 4.3
+    alpha_max_q2_per_s2: Annotated[float, Gt(0)] = 8000 * SQUARE_RAD_PER_DEG  # Table 2
+    qd_max_q_per_s: Annotated[float, Gt(0)] = 10 * RAD_PER_DEG  # Table 2
+    error_dead_zone_q: Annotated[float, Ge(0)] = 2 * 0.03 * RAD_PER_DEG  # 2 minerr, 2.1 encoder counts
+    dead_zone_speed_q_per_s: Annotated[float, Ge(0)] = 0.03 * RAD_PER_DEG  # minerr, compared with deg/s
+    stiction_rate_min_q_per_s: Annotated[float, Ge(0)] = 0.15 * RAD_PER_DEG  # e_min, Table 2
     stiction_selectivity: Annotated[float, Ge(0)] = 50.0  # beta, Table 2
-    stiction_epsilon_rad2_per_s2: Annotated[float, Gt(0)] = 1e-4 * SQUARE_RAD_PER_DEG  # Appendix F, against 0/0
+    stiction_epsilon_q2_per_s2: Annotated[float, Gt(0)] = 1e-4 * SQUARE_RAD_PER_DEG  # Appendix F, against 0/0
     boost_below_a: Annotated[float, Ge(0)] = 450 * A_PER_COUNT  # deadcomp: boost only if the current is weaker, 79 mA
     boost_positive_a: Annotated[float, Ge(0)] = 88 * A_PER_MA  # U_lower, moves down or out, Table 2
     boost_negative_a: Annotated[float, Ge(0)] = 114 * A_PER_MA  # U_upper, moves up or in, Table 2
-    ka_a_s_per_rad: Annotated[float, Ge(0)] = 26.4 * A_PER_RAD_PER_MA_PER_DEG  # K_a: 150 counts s/deg of the program
-    braking_clip_rad_per_s2: Annotated[float, Ge(0)] = 100 * RAD_PER_DEG  # maxacc, Appendix F
+    ka_a_s_per_q: Annotated[float, Ge(0)] = 26.4 * A_PER_RAD_PER_MA_PER_DEG  # K_a: 150 counts s/deg of the program
+    braking_clip_q_per_s2: Annotated[float, Ge(0)] = 100 * RAD_PER_DEG  # maxacc, Appendix F
     deadband_width_a: Annotated[float, Gt(0)] = 7 * A_PER_MA  # U_L, 4.5.1
     deadband_positive_a: Annotated[float, Ge(0)] = 88 * A_PER_MA  # U+, 4.5.1
     deadband_negative_a: Annotated[float, Ge(0)] = 88 * A_PER_MA  # -U-, 4.5.1
     hysteresis_a: Annotated[float, Ge(0)] = 7 * A_PER_MA  # half width of the relay; the thesis' text is lost, U_L taken
     braking_least_a: Annotated[float, Ge(0)] = 450 * A_PER_COUNT  # U_b of the robust law: deadcomp, too weak to move
-    load_feedforward_a_per_nm: Annotated[float, Ge(0)] = 0.068 * A_PER_MA  # k_tau of the torque law, see below
+    load_feedforward_a_per_tau: Annotated[float, Ge(0)] = 0.068 * A_PER_MA  # k_tau of the torque law, see below
 
 
 # Table 2 prints K_a of link 2 as 150, which is the program's 150 counts s/deg left unconverted: 26.4 mA s/deg as link 1.
@@ -57,34 +57,34 @@ class LinkGains(NamedTuple):
 # k_tau is what a load takes off the current at which a link breaks loose, as found on a real machine with a weight: slow ramps
 # of 10 mA/s on the emulated one, between loads of -+250 N m on links 1 and 2 and of -+500 N on link 3.
 ROTATE_GAINS = LinkGains(
-    kp_a_per_rad=92 * A_PER_RAD_PER_MA_PER_DEG,
-    ki_a_per_rad_s=613 * A_PER_RAD_PER_MA_PER_DEG,
-    linear_ki_a_per_rad_s=61.3 * A_PER_RAD_PER_MA_PER_DEG,
-    alpha_max_rad2_per_s2=5000 * SQUARE_RAD_PER_DEG,
+    kp_a_per_q=92 * A_PER_RAD_PER_MA_PER_DEG,
+    ki_a_per_q_s=613 * A_PER_RAD_PER_MA_PER_DEG,
+    linear_ki_a_per_q_s=61.3 * A_PER_RAD_PER_MA_PER_DEG,
+    alpha_max_q2_per_s2=5000 * SQUARE_RAD_PER_DEG,
     boost_negative_a=88 * A_PER_MA,
-    braking_clip_rad_per_s2=15 * RAD_PER_DEG,
-    load_feedforward_a_per_nm=0.043 * A_PER_MA,
+    braking_clip_q_per_s2=15 * RAD_PER_DEG,
+    load_feedforward_a_per_tau=0.043 * A_PER_MA,
 )
 DOWN_UP_GAINS = LinkGains()
 OUT_IN_GAINS = LinkGains(
-    kp_a_per_rad=17600 * A_PER_MA,
-    ki_a_per_rad_s=65900 * A_PER_MA,
-    linear_ki_a_per_rad_s=6590 * A_PER_MA,
-    alpha_max_rad2_per_s2=20.0,
-    qd_max_rad_per_s=0.2,
-    error_dead_zone_rad=2 * 0.00105,
-    dead_zone_speed_rad_per_s=0.00105,
-    stiction_rate_min_rad_per_s=0.0015,
-    stiction_epsilon_rad2_per_s2=1e-4,  # the program's number in m2/s2: the boost triggers at 5.9 mm/s, not at 1.5
+    kp_a_per_q=17600 * A_PER_MA,
+    ki_a_per_q_s=65900 * A_PER_MA,
+    linear_ki_a_per_q_s=6590 * A_PER_MA,
+    alpha_max_q2_per_s2=20.0,
+    qd_max_q_per_s=0.2,
+    error_dead_zone_q=2 * 0.00105,
+    dead_zone_speed_q_per_s=0.00105,
+    stiction_rate_min_q_per_s=0.0015,
+    stiction_epsilon_q2_per_s2=1e-4,  # the program's number in m2/s2: the boost triggers at 5.9 mm/s, not at 1.5
     boost_below_a=650 * A_PER_COUNT,
     boost_positive_a=141 * A_PER_MA,
     boost_negative_a=176 * A_PER_MA,
-    ka_a_s_per_rad=3520 * A_PER_MA,
-    braking_clip_rad_per_s2=0.05,
+    ka_a_s_per_q=3520 * A_PER_MA,
+    braking_clip_q_per_s2=0.05,
     deadband_positive_a=141 * A_PER_MA,
     deadband_negative_a=176 * A_PER_MA,
     braking_least_a=650 * A_PER_COUNT,
-    load_feedforward_a_per_nm=0.022 * A_PER_MA,  # per N
+    load_feedforward_a_per_tau=0.022 * A_PER_MA,
 )
 UNIMATE_GAINS = (ROTATE_GAINS, DOWN_UP_GAINS, OUT_IN_GAINS)
 

@@ -16,8 +16,8 @@ class Point(NamedTuple):
     """Measured and demanded joint positions at one sample."""
 
     time_ns: int
-    q_rad: Triple
-    q_set_rad: Triple
+    q: Triple
+    q_set: Triple
 
 
 Window = tuple[Point, ...]  # (20,), newest last
@@ -64,8 +64,8 @@ def velocities(window: Window) -> tuple[Triple, Triple]:
     """
     newest = window[POINTS - 1]
     newest_ns = newest.time_ns
-    p1, p2, p3 = newest.q_rad
-    r1, r2, r3 = newest.q_set_rad
+    p1, p2, p3 = newest.q
+    r1, r2, r3 = newest.q_set
     sum_ns = 0
     for point in window:
         sum_ns += point.time_ns - newest_ns

@@ -156,15 +156,15 @@ class Controller:
             config = section(envelope, "controller", ControllerConfig)
             reference = section(envelope, "reference", Reference)
             plant = envelope.experiment["plant"]
-            met, q0_rad, pitch_rad = contact_environment(plant), tuple(plant["initial_q_rad"]), plant["machine"]["q4_rad"]
+            met, q0, pitch_rad = contact_environment(plant), tuple(plant["initial_q"]), plant["machine"]["q4_rad"]
             changes = checked(envelope.experiment.get("changes", []), "changes", Changes)
             waiting = scheduled(config, changes, plant["sample_period_substeps"] * SUBSTEP_NS) if changes else ()
             acting = (config, *(after for _, after in waiting))
             for one in acting:
-                check(one, reference, q0_rad, pitch_rad, met)
+                check(one, reference, q0, pitch_rad, met)
         except (LookupError, TypeError, ArithmeticError) as error:  # [plant] is read as it came
             raise ValueError(str(error)) from error
-        loaded = Loaded(ParameterSchedule(config, waiting), reference, q0_rad, pitch_rad, met, envelope.clock == "lockstep")
+        loaded = Loaded(ParameterSchedule(config, waiting), reference, q0, pitch_rad, met, envelope.clock == "lockstep")
         return Checked(loaded, {"warnings": list(dict.fromkeys(line for one in acting for line in preflight(one, met)))})
 
     def _take(self, envelope: Envelope, loaded: Loaded) -> None:

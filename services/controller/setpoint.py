@@ -28,8 +28,8 @@ READY_COUNTS = 2.0 + 1e-6  # the reference may start two counts from the pose; t
 class Seen(NamedTuple):
     """What the set-points answer to."""
 
-    q_rad: Triple
-    qd_rad_per_s: Triple  # by regression, of the sample before, as in the program
+    q: Triple
+    qd: Triple  # by regression, of the sample before, as in the program
     x_m: Triple
     force_n: float  # mean of three, or low-passed
     force_set_n: float  # mean of three, with its compensation
@@ -38,7 +38,7 @@ class Seen(NamedTuple):
 class Setpoints(NamedTuple):
     """Set-points of one sample."""
 
-    q_rad: Triple
+    q: Triple
     x_m: Triple
     nominal_m: Triple
     impedance: ImpedanceState
@@ -51,7 +51,7 @@ class Setpoints(NamedTuple):
 def nominal_joints(params: ControllerParams, trial: Trial, deltas: Deltas, pitch_rad: float) -> tuple[Triple, Triple, int]:
     """(q, x, clamp mask) of the reference itself, before the environment yields anything."""
     if params.target == TARGET_JOINT:
-        q0 = trial.q_start_rad
+        q0 = trial.q_start
         q, clamped = clamp_joints(params.geometry, (q0[0] + deltas[0], q0[1] + deltas[1], q0[2] + deltas[2]))
         return q, forward(params.geometry, q, pitch_rad), clamped
     x0 = trial.x_start_m
@@ -82,7 +82,7 @@ def setpoints(
         explicit, way_m = explicit_step(explicit, target, seen.force_n, seen.force_set_n, dt_s)
         x = along_axis(seen.x_m, target.force_axis, way_m)
     elif target.formulation == FORMULATION_MEASURED:
-        v = tip_velocity(params.geometry, seen.q_rad, pitch_rad, seen.qd_rad_per_s)
+        v = tip_velocity(params.geometry, seen.q, pitch_rad, seen.qd)
         impedance, x = measured_step(impedance, target, nominal, seen.x_m, v, seen.force_n - seen.force_set_n, dt_s)
     else:
         error_n = seen.force_n - seen.force_set_n

@@ -54,7 +54,7 @@ class ControlMemory(NamedTuple):
     impedance: ImpedanceState
     explicit: ExplicitState
     offset: Offset
-    qd_rad_per_s: Triple  # at the last sample
+    qd: Triple  # at the last sample
     laws: Laws
     ready: int  # judged while tracking, kept while the law runs
     handover: Handover
@@ -156,7 +156,7 @@ def link_step(
     q_set: float,
     qd: float,
     qd_set: float,
-    load_nm: float,
+    load_tau: float,
     dt_s: float,
 ) -> tuple[LinkLawState, float, int]:
     """Answer of one link's law; of a link that does not act: no current, nothing integrated.
@@ -167,9 +167,9 @@ def link_step(
         return AT_REST, 0.0, 0
     if takes_over != 0:
         held_a = code_to_current(held_code)
-        return take_over(state, gains, law, q, q_set, qd_set, load_nm, held_a), held_a, 0
+        return take_over(state, gains, law, q, q_set, qd_set, load_tau, held_a), held_a, 0
     state, current_a, boosted = law_step(state, gains, law, q, q_set, qd, qd_set, dt_s)
-    return state, current_a + load_feedforward(gains, law, load_nm), boosted
+    return state, current_a + load_feedforward(gains, law, load_tau), boosted
 
 
 @kernel
@@ -182,19 +182,19 @@ def apply_laws(
     q_set: Triple,
     qd: Triple,
     qd_set: Triple,
-    load_nm: Triple,
+    load_tau: Triple,
     dt_s: float,
 ) -> Actuation:
     """Answer of the three links' position laws."""
     gains, law, on, new, held = params.gains, params.law, params.acting, handover.links, sample.dac_counts
     law_1, u_1, boosted_1 = link_step(
-        on[0], new & 1, held[0], laws[0], gains[0], law, q[0], q_set[0], qd[0], qd_set[0], load_nm[0], dt_s
+        on[0], new & 1, held[0], laws[0], gains[0], law, q[0], q_set[0], qd[0], qd_set[0], load_tau[0], dt_s
     )
     law_2, u_2, boosted_2 = link_step(
-        on[1], new & 2, held[1], laws[1], gains[1], law, q[1], q_set[1], qd[1], qd_set[1], load_nm[1], dt_s
+        on[1], new & 2, held[1], laws[1], gains[1], law, q[1], q_set[1], qd[1], qd_set[1], load_tau[1], dt_s
     )
     law_3, u_3, boosted_3 = link_step(
-        on[2], new & 4, held[2], laws[2], gains[2], law, q[2], q_set[2], qd[2], qd_set[2], load_nm[2], dt_s
+        on[2], new & 4, held[2], laws[2], gains[2], law, q[2], q_set[2], qd[2], qd_set[2], load_tau[2], dt_s
     )
     current_a, boosted = (u_1, u_2, u_3), (boosted_1, boosted_2, boosted_3)
     return Actuation((law_1, law_2, law_3), current_a, boosted, shaped_codes(params, current_a, sample, handover.tight_until))
@@ -228,28 +228,28 @@ def control_step(
     ready = memory.ready
     if running:
         force_set_n = mean_of_three(deltas[6], memory.force_set_n[0], memory.force_set_n[1])
-        seen = Seen(q, memory.qd_rad_per_s, x, force.mean_n, params.impedance.force_gain * force_set_n)
+        seen = Seen(q, memory.qd, x, force.mean_n, params.impedance.force_gain * force_set_n)
         wanted = setpoints(params, memory.impedance, memory.explicit, memory.offset, trial, deltas, pitch_rad, seen, dt_s)
     else:
         _, nominal, _ = nominal_joints(params, trial, deltas, pitch_rad)
         wanted = Setpoints(q, x, nominal, rest(x, nominal), FILTERS_AT_REST, Offset(0.0, nominal), 0)
         ready = judge_ready(params, trial, table, q, pitch_rad)
-    window = push(memory.window, sample.time_ns, q, wanted.q_rad)
+    window = push(memory.window, sample.time_ns, q, wanted.q)
     qd, qd_set = velocities(window)
     if running:
-        load_nm = joint_loads(
+        load_tau = joint_loads(
             params.geometry, q, pitch_rad, params.impedance.force_axis, params.impedance.force_sign * force.mean_n
         )
-        made = apply_laws(params, memory.laws, memory.handover, sample, q, wanted.q_rad, qd, qd_set, load_nm, dt_s)
+        made = apply_laws(params, memory.laws, memory.handover, sample, q, wanted.q, qd, qd_set, load_tau, dt_s)
     else:
         made = unload(params, sample)
     thought = ControllerState(
         number=sample.number,
         tick=sample.tick,
-        q_rad=q,
-        q_set_rad=wanted.q_rad,
-        qd_rad_per_s=qd,
-        qd_set_rad_per_s=qd_set,
+        q=q,
+        q_set=wanted.q,
+        qd=qd,
+        qd_set=qd_set,
         x_m=x,
         x_set_m=wanted.x_m,
         x_nominal_m=wanted.nominal_m,

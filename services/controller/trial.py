@@ -19,7 +19,7 @@ class Trial(NamedTuple):
     started: bool  # its first tick was seen: start pose and bias belong to this trial
     whole: bool  # and no sample was lost before tick 0
     samples: int  # since the buffers were filled
-    q_start_rad: Triple
+    q_start: Triple
     x_start_m: Triple
     bias_sum_counts: int
     bias_samples: int
@@ -49,7 +49,7 @@ def advance(trial: Trial, sample: Sample, q: Triple, x: Triple) -> Trial:
         started=trial.started,
         whole=trial.whole and not lost,
         samples=min(trial.samples + 1, POINTS),
-        q_start_rad=trial.q_start_rad if in_trial else q,
+        q_start=trial.q_start if in_trial else q,
         x_start_m=trial.x_start_m if in_trial else x,
         bias_sum_counts=trial.bias_sum_counts + (sample.force_counts if biasing else 0),
         bias_samples=trial.bias_samples + (1 if biasing else 0),

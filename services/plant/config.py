@@ -16,7 +16,7 @@ class PlantConfig(NamedTuple):
 
     machine: MachineParams = UNIMATE
     environment: Environment = Environment()
-    initial_q_rad: tuple[
+    initial_q: tuple[
         Annotated[float, Interval(ge=-110 * RAD_PER_DEG, le=110 * RAD_PER_DEG)],
         Annotated[float, Interval(ge=-30 * RAD_PER_DEG, le=27 * RAD_PER_DEG)],
         Annotated[float, Interval(ge=0.0, le=1.04)],  # third in m

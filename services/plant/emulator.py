@@ -56,7 +56,7 @@ class Emulator:
         """Prepare the noise, the faults and the initial state of a trial of `ticks` samples from `first_tick` on."""
         machine = config.machine
         contact = contact_params(config.environment)
-        start = machine_start(machine, contact, config.initial_q_rad)
+        start = machine_start(machine, contact, config.initial_q)
         noise = force_noise_n(seed, first_tick, ticks, machine.force_noise_sigma_n, machine.force_noise_clip_n)
         self._next = (machine, contact, start)
         self._injection.schedule(faults, seed, config.sample_period_substeps * SUBSTEP_NS)

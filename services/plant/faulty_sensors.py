@@ -114,7 +114,7 @@ def faulty_sense(
     state: MachineState, machine: MachineParams, contact: ContactParams, noise_n: float, table: Any, tick: int, held: Held
 ) -> Readings:
     """`machine.sense` under faults; without any acting row it gives the same bits."""
-    counts = encoder_counts(state.q_rad, machine.q4_rad)
+    counts = encoder_counts(state.q, machine.q4_rad)
     reading_n = gauge_n(machine, contact_force(state, machine, contact), noise_n)
     force = amplified_counts(machine, faulty_force_n(table, tick, reading_n, noise_n))
     return faulty_readings(table, tick, (counts, force), held)

@@ -10,8 +10,8 @@ from hydrohil.shared.compiled.kernel import kernel
 class LinkState(NamedTuple):
     """What one link and its actuator remember; it stands exactly where its speed is 0.0."""
 
-    q_rad: float
-    qd_rad_per_s: float
+    q: float
+    qd: float
     spool_a: float
     pressure_a_pa: float
     pressure_b_pa: float
@@ -86,13 +86,13 @@ def chamber_step(
     Pb' = beta / Vb (Qb + Cl (Pa - Pb) + Cn (Ps - 2 Pb + Pr) + D v),  Vb = V0 + D (q_high - q)
     """
     a_pa, b_pa = state.pressure_a_pa, state.pressure_b_pa
-    displacement = link.displacement_m3_per_rad
+    displacement = link.displacement_m3_per_q
     leak = link.cross_leak_m3_per_s_pa * (a_pa - b_pa)
-    swept = displacement * state.qd_rad_per_s
+    swept = displacement * state.qd
     ends = ends_pa[0] + ends_pa[1]
     into_a = flows_m3_per_s[0] - leak + link.null_leak_m3_per_s_pa * (ends - 2.0 * a_pa) - swept
     into_b = flows_m3_per_s[1] + leak + link.null_leak_m3_per_s_pa * (ends - 2.0 * b_pa) + swept
     stiffness = step_s * link.bulk_modulus_pa
-    a_pa += stiffness * into_a / (link.dead_volume_m3 + displacement * (state.q_rad - link.travel_low_rad))
-    b_pa += stiffness * into_b / (link.dead_volume_m3 + displacement * (link.travel_high_rad - state.q_rad))
+    a_pa += stiffness * into_a / (link.dead_volume_m3 + displacement * (state.q - link.travel_low_q))
+    b_pa += stiffness * into_b / (link.dead_volume_m3 + displacement * (link.travel_high_q - state.q))
     return pushing_only(a_pa), pushing_only(b_pa)

@@ -26,8 +26,8 @@ from hydrohil.shared.units import SUBSTEP_S
 class MachineState(NamedTuple):
     """Everything that the machine remembers; a link stands exactly where its speed is 0.0."""
 
-    q_rad: Triple
-    qd_rad_per_s: Triple
+    q: Triple
+    qd: Triple
     spool_a: Triple
     pressure_a_pa: Triple
     pressure_b_pa: Triple
@@ -48,8 +48,8 @@ def within(value: float, low: float, high: float) -> float:
 def link_of(state: MachineState, link: LinkParams, index: int) -> LinkState:
     """One link of the machine, inside its travel."""
     return LinkState(
-        within(state.q_rad[index], link.travel_low_rad, link.travel_high_rad),
-        state.qd_rad_per_s[index],
+        within(state.q[index], link.travel_low_q, link.travel_high_q),
+        state.qd[index],
         state.spool_a[index],
         state.pressure_a_pa[index],
         state.pressure_b_pa[index],
@@ -62,8 +62,8 @@ def link_step(
     link: LinkParams,
     machine: MachineParams,
     current_a: float,
-    load_nm: float,
-    inertia_kg_m2: float,
+    load_tau: float,
+    inertia_tau_s2_per_q: float,
     step_s: float,
 ) -> LinkState:
     """Valve, pressures with the old speed, speed by projection, then position (semi-implicit Euler); knows no stops."""
@@ -72,16 +72,16 @@ def link_step(
     gain = link.flow_gain_m3_per_s_sqrt_pa * port_area(link, spool_a)
     flows = port_flows(gain, (state.pressure_a_pa, state.pressure_b_pa), ends_pa, machine.root_smoothing_pa)
     a_pa, b_pa = chamber_step(link, state, flows, ends_pa, step_s)
-    drive_nm = link.displacement_m3_per_rad * (a_pa - b_pa) - link.viscous_nms_per_rad * state.qd_rad_per_s + load_nm
-    limit_nm = friction_limit(link, state.qd_rad_per_s)
-    speed = slide(state.qd_rad_per_s, inertia_kg_m2, drive_nm, limit_nm, step_s)
-    return LinkState(state.q_rad + step_s * speed, speed, spool_a, a_pa, b_pa)
+    drive_tau = link.displacement_m3_per_q * (a_pa - b_pa) - link.viscous_tau_s_per_q * state.qd + load_tau
+    limit_tau = friction_limit(link, state.qd)
+    speed = slide(state.qd, inertia_tau_s2_per_q, drive_tau, limit_tau, step_s)
+    return LinkState(state.q + step_s * speed, speed, spool_a, a_pa, b_pa)
 
 
 @kernel
 def inside(state: LinkState, link: LinkParams) -> bool:
     """Whether the link is inside its travel, ends included; a NaN is not."""
-    return link.travel_low_rad <= state.q_rad <= link.travel_high_rad
+    return link.travel_low_q <= state.q <= link.travel_high_q
 
 
 @kernel
@@ -89,8 +89,8 @@ def stopped(state: LinkState, link: LinkParams) -> LinkState:
     """The link inside its travel: the stop that it went beyond absorbs its speed."""
     if inside(state, link):
         return state
-    q_rad = within(state.q_rad, link.travel_low_rad, link.travel_high_rad)
-    return LinkState(q_rad, 0.0, state.spool_a, state.pressure_a_pa, state.pressure_b_pa)
+    q = within(state.q, link.travel_low_q, link.travel_high_q)
+    return LinkState(q, 0.0, state.spool_a, state.pressure_a_pa, state.pressure_b_pa)
 
 
 @kernel
@@ -107,18 +107,18 @@ def advance_by(
     second = link_of(state, machine.down_up, 1)
     third = link_of(state, machine.out_in, 2)
     touch = state.contact
-    at_rad = (first.q_rad, second.q_rad, third.q_rad)
-    arm = posture(machine, at_rad)
+    at_q = (first.q, second.q, third.q)
+    arm = posture(machine, at_q)
     for _ in range(substeps):
-        before_rad, at_rad = at_rad, (first.q_rad, second.q_rad, third.q_rad)
-        arm = posture_after(arm, machine, before_rad, at_rad)
+        before_q, at_q = at_q, (first.q, second.q, third.q)
+        arm = posture_after(arm, machine, before_q, at_q)
         touch = contact_step(touch, contact, machine, tip(arm), step_s)
         push_n = contact.force_sign * touch.force_n
         along_x = contact.force_axis == AXIS_X
         weight = gravity_loads(machine, arm)
         pushed = tip_loads(arm, push_n if along_x else 0.0, 0.0 if along_x else push_n)
         inertia = inertias(machine, arm)
-        moved = motion_loads(machine, arm, inertia[1], (first.qd_rad_per_s, second.qd_rad_per_s, third.qd_rad_per_s))
+        moved = motion_loads(machine, arm, inertia[1], (first.qd, second.qd, third.qd))
         load_1, load_2, load_3 = moved[0] + pushed[0], moved[1] + pushed[1] + weight[1], moved[2] + pushed[2] + weight[2]
         first = link_step(first, machine.rotate, machine, currents_a[0], load_1, inertia[0], step_s)
         second = link_step(second, machine.down_up, machine, currents_a[1], load_2, inertia[1], step_s)
@@ -130,8 +130,8 @@ def advance_by(
                 stopped(third, machine.out_in),
             )
     return MachineState(
-        (first.q_rad, second.q_rad, third.q_rad),
-        (first.qd_rad_per_s, second.qd_rad_per_s, third.qd_rad_per_s),
+        (first.q, second.q, third.q),
+        (first.qd, second.qd, third.qd),
         (first.spool_a, second.spool_a, third.spool_a),
         (first.pressure_a_pa, second.pressure_a_pa, third.pressure_a_pa),
         (first.pressure_b_pa, second.pressure_b_pa, third.pressure_b_pa),
@@ -161,7 +161,7 @@ def tip_position(state: MachineState, machine: MachineParams) -> Triple:
     first = link_of(state, machine.rotate, 0)
     second = link_of(state, machine.down_up, 1)
     third = link_of(state, machine.out_in, 2)
-    return tip(posture(machine, (first.q_rad, second.q_rad, third.q_rad)))
+    return tip(posture(machine, (first.q, second.q, third.q)))
 
 
 @kernel
@@ -175,14 +175,14 @@ def sense(
     state: MachineState, machine: MachineParams, contact: ContactParams, noise_n: float
 ) -> tuple[tuple[int, int, int, int, int], int]:
     """Encoder counters and counts of the force gauge at this instant."""
-    counts = encoder_counts(state.q_rad, machine.q4_rad)
+    counts = encoder_counts(state.q, machine.q4_rad)
     return counts, gauge_counts(machine, contact_force(state, machine, contact), noise_n)
 
 
 @kernel
 def sticking(state: MachineState) -> LinkCounts:
     """1 for each link that static friction holds."""
-    speeds = state.qd_rad_per_s
+    speeds = state.qd
     return int(speeds[0] == 0.0), int(speeds[1] == 0.0), int(speeds[2] == 0.0)
 
 
@@ -192,8 +192,8 @@ def ground_truth(state: MachineState, machine: MachineParams, contact: ContactPa
     return GroundTruth(
         number,
         tick,
-        state.q_rad,
-        state.qd_rad_per_s,
+        state.q,
+        state.qd,
         state.pressure_a_pa,
         state.pressure_b_pa,
         state.spool_a,
@@ -204,22 +204,22 @@ def ground_truth(state: MachineState, machine: MachineParams, contact: ContactPa
     )
 
 
-def balanced_pressures(machine: MachineParams, link: LinkParams, load_nm: float) -> tuple[float, float]:
-    """Chamber pressures about the middle of supply and return that carry `load_nm`:  D (Pa - Pb) + tau = 0."""
+def balanced_pressures(machine: MachineParams, link: LinkParams, load_tau: float) -> tuple[float, float]:
+    """Chamber pressures about the middle of supply and return that carry `load_tau`:  D (Pa - Pb) + tau = 0."""
     middle_pa = (machine.supply_pressure_pa + machine.return_pressure_pa) / 2.0
-    half_pa = -load_nm / link.displacement_m3_per_rad / 2.0
+    half_pa = -load_tau / link.displacement_m3_per_q / 2.0
     low_pa, high_pa = machine.return_pressure_pa, machine.supply_pressure_pa
     return within(middle_pa + half_pa, low_pa, high_pa), within(middle_pa - half_pa, low_pa, high_pa)
 
 
-def machine_start(machine: MachineParams, contact: ContactParams, q_rad: Triple) -> MachineState:
-    """The machine at rest at `q_rad`: stuck, balanced, spools at null; ValueError outside the travel."""
+def machine_start(machine: MachineParams, contact: ContactParams, q: Triple) -> MachineState:
+    """The machine at rest at `q`: stuck, balanced, spools at null; ValueError outside the travel."""
     links = (machine.rotate, machine.down_up, machine.out_in)
-    for number, (value, link) in enumerate(zip(q_rad, links, strict=True), start=1):
-        if not link.travel_low_rad <= value <= link.travel_high_rad:
-            travel = f"{link.travel_low_rad:g}..{link.travel_high_rad:g}"
+    for number, (value, link) in enumerate(zip(q, links, strict=True), start=1):
+        if not link.travel_low_q <= value <= link.travel_high_q:
+            travel = f"{link.travel_low_q:g}..{link.travel_high_q:g}"
             raise ValueError(f"link {number} starts at {value:g} rad (m for link 3); expected {travel}")
-    arm = posture(machine, q_rad)
+    arm = posture(machine, q)
     touch = contact_start(contact, machine, tip(arm))
     push_n = contact.force_sign * touch.force_n
     pushed = tip_loads(arm, push_n, 0.0) if contact.force_axis == AXIS_X else tip_loads(arm, 0.0, push_n)
@@ -227,7 +227,7 @@ def machine_start(machine: MachineParams, contact: ContactParams, q_rad: Triple)
     pressures = [balanced_pressures(machine, link, p + w) for link, p, w in zip(links, pushed, weight, strict=True)]
     a, b = zip(*pressures, strict=True)
     return MachineState(
-        (q_rad[0], q_rad[1], q_rad[2]),
+        (q[0], q[1], q[2]),
         (0.0, 0.0, 0.0),
         (machine.rotate.null_bias_a, machine.down_up.null_bias_a, machine.out_in.null_bias_a),
         (a[0], a[1], a[2]),

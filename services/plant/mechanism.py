@@ -26,21 +26,21 @@ class Posture(NamedTuple):
 
 
 @kernel
-def posture(machine: MachineParams, q_rad: Triple) -> Posture:
+def posture(machine: MachineParams, q: Triple) -> Posture:
     """d3' = q3 + d - a4 sin q4, a2' = a2 - a4 cos q4;  r = d3' c2 + a2' s2, z = -d3' s2 + a2' c2  (Appendix F, qtox)."""
-    turned = math.cos(q_rad[0]), math.sin(q_rad[0]), math.cos(q_rad[1]), math.sin(q_rad[1])
-    return _posed(machine, turned, q_rad[2])
+    turned = math.cos(q[0]), math.sin(q[0]), math.cos(q[1]), math.sin(q[1])
+    return _posed(machine, turned, q[2])
 
 
 @kernel
-def posture_after(arm: Posture, machine: MachineParams, before_rad: Triple, q_rad: Triple) -> Posture:
-    """`posture` at `q_rad`, given that at `before_rad`: a link that stands exactly keeps its sines."""
+def posture_after(arm: Posture, machine: MachineParams, before_q: Triple, q: Triple) -> Posture:
+    """`posture` at `q`, given that at `before_q`: a link that stands exactly keeps its sines."""
     c1, s1, c2, s2 = arm.cos_1, arm.sin_1, arm.cos_2, arm.sin_2
-    if q_rad[0] != before_rad[0]:
-        c1, s1 = math.cos(q_rad[0]), math.sin(q_rad[0])
-    if q_rad[1] != before_rad[1]:
-        c2, s2 = math.cos(q_rad[1]), math.sin(q_rad[1])
-    return _posed(machine, (c1, s1, c2, s2), q_rad[2])
+    if q[0] != before_q[0]:
+        c1, s1 = math.cos(q[0]), math.sin(q[0])
+    if q[1] != before_q[1]:
+        c2, s2 = math.cos(q[1]), math.sin(q[1])
+    return _posed(machine, (c1, s1, c2, s2), q[2])
 
 
 @kernel

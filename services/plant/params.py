@@ -1,6 +1,6 @@
 """What the Unimate MKII-2000 is: every number of the plant, in SI, with its source; and what it pushes against.
 
-Links 1 and 2 count in rad and N m, link 3 in m and N: a field that says `_rad` or `_nm` means the latter there.
+The suffixes `q` (rad, or m for link 3) and `tau` (N m, or N for link 3) are those of `shared/units.py`.
 """
 
 import math
@@ -25,7 +25,7 @@ FREE, PLATE, CRATE = 0, 1, 2
 class LinkParams(NamedTuple):
     """Servo valve, double-acting actuator of equal areas (thesis 3.2.1) and friction of one link."""
 
-    displacement_m3_per_rad: Positive  # assumed: sets the stall torque; for link 3 the piston area in m2
+    displacement_m3_per_q: Positive  # assumed: sets the stall torque; for link 3 the piston area in m2
     dead_volume_m3: Positive  # each side, assumed: ports and hoses; never zero at the ends of travel
     bulk_modulus_pa: Positive  # effective, identified: with hoses and air; sets the P-gain limit and the jumps
     cross_leak_m3_per_s_pa: NotNegative  # laminar, between the chambers, identified from slow break-away currents
@@ -35,12 +35,12 @@ class LinkParams(NamedTuple):
     null_bias_a: Finite  # current that the spool rests at, identified from the unequal break-aways
     flow_gain_m3_per_s_sqrt_pa: Positive  # K_q of the full area: a property of the valve, whatever the supply
     valve_lag_s: Positive  # first order, assumed; results hardly depend on 3..12 ms
-    coulomb_nm: NotNegative  # identified
-    breakaway_nm: NotNegative  # identified: what holds a link that stands
-    stribeck_rad_per_s: Positive  # identified: speed at which break-away has fallen to Coulomb friction by 1/e
-    viscous_nms_per_rad: NotNegative  # assumed
-    travel_low_rad: Finite  # program of Appendix F
-    travel_high_rad: Finite  # program of Appendix F
+    coulomb_tau: NotNegative  # identified
+    breakaway_tau: NotNegative  # identified: what holds a link that stands
+    stribeck_q_per_s: Positive  # identified: speed at which break-away has fallen to Coulomb friction by 1/e
+    viscous_tau_s_per_q: NotNegative  # assumed
+    travel_low_q: Finite  # program of Appendix F
+    travel_high_q: Finite  # program of Appendix F
 
 
 class MachineParams(NamedTuple):
@@ -72,7 +72,7 @@ class MachineParams(NamedTuple):
 
 UNIMATE = MachineParams(
     rotate=LinkParams(
-        displacement_m3_per_rad=1.0 * M3_PER_L,  # stalls at 7.0 kN m
+        displacement_m3_per_q=1.0 * M3_PER_L,  # stalls at 7.0 kN m
         dead_volume_m3=0.4 * M3_PER_L,
         bulk_modulus_pa=320.0 * PA_PER_MPA,
         cross_leak_m3_per_s_pa=1.1e-11,  # 4.6 L/min at 7 MPa: a worn machine of 20 years
@@ -82,15 +82,15 @@ UNIMATE = MachineParams(
         null_bias_a=0.0 * A_PER_MA,
         flow_gain_m3_per_s_sqrt_pa=6.7846e-7,  # 24 deg/s at 360 mA without load, friction, leak and bias
         valve_lag_s=0.006,
-        coulomb_nm=220.0,
-        breakaway_nm=450.0,
-        stribeck_rad_per_s=1.0 * RAD_PER_DEG,
-        viscous_nms_per_rad=1500.0,
-        travel_low_rad=-110.0 * RAD_PER_DEG,
-        travel_high_rad=110.0 * RAD_PER_DEG,
+        coulomb_tau=220.0,
+        breakaway_tau=450.0,
+        stribeck_q_per_s=1.0 * RAD_PER_DEG,
+        viscous_tau_s_per_q=1500.0,
+        travel_low_q=-110.0 * RAD_PER_DEG,
+        travel_high_q=110.0 * RAD_PER_DEG,
     ),
     down_up=LinkParams(
-        displacement_m3_per_rad=0.64 * M3_PER_L,  # stalls at 4.5 kN m
+        displacement_m3_per_q=0.64 * M3_PER_L,  # stalls at 4.5 kN m
         dead_volume_m3=0.3 * M3_PER_L,
         bulk_modulus_pa=320.0 * PA_PER_MPA,
         cross_leak_m3_per_s_pa=1.0e-11,  # 4.2 L/min at 7 MPa
@@ -100,15 +100,15 @@ UNIMATE = MachineParams(
         null_bias_a=8.0 * A_PER_MA,  # 1.3 % of full scale
         flow_gain_m3_per_s_sqrt_pa=3.7994e-7,  # 21 deg/s at 360 mA without load, friction, leak and bias
         valve_lag_s=0.006,
-        coulomb_nm=170.0,
-        breakaway_nm=470.0,
-        stribeck_rad_per_s=1.0 * RAD_PER_DEG,
-        viscous_nms_per_rad=700.0,
-        travel_low_rad=-30.0 * RAD_PER_DEG,
-        travel_high_rad=27.0 * RAD_PER_DEG,
+        coulomb_tau=170.0,
+        breakaway_tau=470.0,
+        stribeck_q_per_s=1.0 * RAD_PER_DEG,
+        viscous_tau_s_per_q=700.0,
+        travel_low_q=-30.0 * RAD_PER_DEG,
+        travel_high_q=27.0 * RAD_PER_DEG,
     ),
     out_in=LinkParams(
-        displacement_m3_per_rad=1.4e-3,  # m2; stalls at 9.8 kN
+        displacement_m3_per_q=1.4e-3,  # m2; stalls at 9.8 kN
         dead_volume_m3=0.4 * M3_PER_L,
         bulk_modulus_pa=320.0 * PA_PER_MPA,
         cross_leak_m3_per_s_pa=2.0e-11,  # 8.4 L/min at 7 MPa
@@ -118,12 +118,12 @@ UNIMATE = MachineParams(
         null_bias_a=17.0 * A_PER_MA,  # 2.8 % of full scale
         flow_gain_m3_per_s_sqrt_pa=1.01459e-6,  # 0.38 m/s at 360 mA without load, friction, leak and bias
         valve_lag_s=0.006,
-        coulomb_nm=900.0,
-        breakaway_nm=1300.0,
-        stribeck_rad_per_s=0.010,
-        viscous_nms_per_rad=900.0,
-        travel_low_rad=0.0,
-        travel_high_rad=1.04,
+        coulomb_tau=900.0,
+        breakaway_tau=1300.0,
+        stribeck_q_per_s=0.010,
+        viscous_tau_s_per_q=900.0,
+        travel_low_q=0.0,
+        travel_high_q=1.04,
     ),
 )
 

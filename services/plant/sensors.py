@@ -24,12 +24,12 @@ def encoder_count(value: float, scale: float, offset: float, mask: int) -> int:
 
 
 @kernel
-def encoder_counts(q_rad: tuple[float, float, float], q4_rad: float) -> tuple[int, int, int, int, int]:
+def encoder_counts(q: tuple[float, float, float], q4_rad: float) -> tuple[int, int, int, int, int]:
     """Counters of rotate, down/up, out/in, roll and pitch."""
     return (
-        encoder_count(q_rad[0], SCALE[0], OFFSET[0], MASK[0]),
-        encoder_count(q_rad[1], SCALE[1], OFFSET[1], MASK[1]),
-        encoder_count(q_rad[2], SCALE[2], OFFSET[2], MASK[2]),
+        encoder_count(q[0], SCALE[0], OFFSET[0], MASK[0]),
+        encoder_count(q[1], SCALE[1], OFFSET[1], MASK[1]),
+        encoder_count(q[2], SCALE[2], OFFSET[2], MASK[2]),
         ROLL_COUNT,
         encoder_count(q4_rad, SCALE[4], OFFSET[4], MASK[4]),
     )

@@ -30,12 +30,12 @@ class SupervisorConfig(NamedTuple):
         Annotated[float, Interval(gt=0.0, le=0.5)],
     ] = (30 * RAD_PER_DEG, 30 * RAD_PER_DEG, 0.5)  # rad/s; third in m/s: a quarter above what the valves pass
     tip_speed_limit_m_per_s: Annotated[float, Interval(gt=0.0, le=0.75)] = 0.75  # one link at 24 deg/s and full reach
-    joint_low_rad: tuple[
+    joint_low_q: tuple[
         Annotated[float, Interval(ge=-110 * RAD_PER_DEG)],
         Annotated[float, Interval(ge=-30 * RAD_PER_DEG)],
         Annotated[float, Interval(ge=-0.002)],
     ] = (-110 * RAD_PER_DEG, -30 * RAD_PER_DEG, -0.002)  # third in m
-    joint_high_rad: tuple[
+    joint_high_q: tuple[
         Annotated[float, Interval(le=110 * RAD_PER_DEG)],
         Annotated[float, Interval(le=27 * RAD_PER_DEG)],
         Annotated[float, Interval(le=1.04)],

@@ -22,8 +22,8 @@ MOVES_UP_A = (140 * A_PER_MA, 140 * A_PER_MA, 160 * A_PER_MA)  # towards greater
 MOVES_WITHIN_NS = 200_000_000
 BRAKES = (1.3 * RAD_PER_DEG, 0.6 * RAD_PER_DEG, 0.006)  # way on from full speed once such a current stands against it
 AT_STOP_COUNTS = 2.0
-TRAVEL_LOW: Triple = UNIMATE_GEOMETRY.low_rad
-TRAVEL_HIGH: Triple = UNIMATE_GEOMETRY.high_rad
+TRAVEL_LOW: Triple = UNIMATE_GEOMETRY.low_q
+TRAVEL_HIGH: Triple = UNIMATE_GEOMETRY.high_q
 
 QUIET_NS = 100_000_000  # a gauge without its noise is found within this
 QUIET_COUNTS, FEWEST_QUIET = 1, 16  # readings that differ by one count: 23 % of its neighbours; 16 in a row: once in 1e10

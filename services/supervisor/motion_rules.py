@@ -33,7 +33,7 @@ def links_move(seen: Observed, limits: Limits) -> bool:
 @kernel
 def joints_within(seen: Observed, limits: Limits) -> bool:
     for link in range(3):
-        if not limits.config.joint_low_rad[link] <= seen.motion.q_rad[link] <= limits.config.joint_high_rad[link]:
+        if not limits.config.joint_low_q[link] <= seen.motion.q[link] <= limits.config.joint_high_q[link]:
             return False
     return True
 
@@ -75,14 +75,14 @@ def _rail(counts: tuple[int, int, int], limits: Limits) -> int:
 @kernel
 def _reach(seen: Observed, limits: Limits, encoder: int) -> float:
     """What an encoder can have moved since the sample before: full speed, and the count that a floor may add."""
-    return FULL_SPEED[encoder] * seen.motion.dt_s + limits.count_rad[encoder] * (1.0 + 1e-9)
+    return FULL_SPEED[encoder] * seen.motion.dt_s + limits.count_q[encoder] * (1.0 + 1e-9)
 
 
 @kernel
 def _first_jump(seen: Observed, limits: Limits) -> int:
     """The first encoder that moved further than it can, 4 if none."""
     for encoder in range(4):
-        if not abs(seen.motion.moved_rad[encoder]) <= _reach(seen, limits, encoder):
+        if not abs(seen.motion.moved_q[encoder]) <= _reach(seen, limits, encoder):
             return encoder
     return 4
 
@@ -122,7 +122,7 @@ MOTION_RULES = (
     Rule(
         counters_follow,
         TripCause.ENCODER_JUMP,
-        lambda seen, limits: seen.motion.moved_rad[_first_jump(seen, limits) % 4],
+        lambda seen, limits: seen.motion.moved_q[_first_jump(seen, limits) % 4],
         lambda seen, limits: _reach(seen, limits, _first_jump(seen, limits) % 4),
     ),
     Rule(
@@ -140,8 +140,8 @@ MOTION_RULES = (
     Rule(
         joints_within,
         TripCause.JOINT_LIMIT,
-        lambda seen, limits: _worst(seen.motion.q_rad, limits.config.joint_low_rad, limits.config.joint_high_rad)[0],
-        lambda seen, limits: _worst(seen.motion.q_rad, limits.config.joint_low_rad, limits.config.joint_high_rad)[1],
+        lambda seen, limits: _worst(seen.motion.q, limits.config.joint_low_q, limits.config.joint_high_q)[0],
+        lambda seen, limits: _worst(seen.motion.q, limits.config.joint_low_q, limits.config.joint_high_q)[1],
     ),
     Rule(
         tip_within,

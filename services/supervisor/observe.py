@@ -76,10 +76,10 @@ def observe_step(watch: Watch, observing: Observing, sample: Sample, heard: Hear
     bias = bias_step(watch.bias, observing, sample) if came else watch.bias
     follows = known and _follows(watch, sample) if came else known
     dt_ns = _since(watch, observing, sample, follows) if came else 0
-    q_rad, pitch_rad = joint_positions(observing.calibration, sample.encoder_counts)
-    tip_m = forward(UNIMATE_GEOMETRY, q_rad, pitch_rad)
+    q, pitch_rad = joint_positions(observing.calibration, sample.encoder_counts)
+    tip_m = forward(UNIMATE_GEOMETRY, q, pitch_rad)
     counts = (sample.encoder_counts[0], sample.encoder_counts[1], sample.encoder_counts[2])
-    pose = Pose(counts, q_rad, pitch_rad, tip_m)
+    pose = Pose(counts, q, pitch_rad, tip_m)
     motion, observe_motion = motion_step(watch.motion, observing.codes, pose, sample.dac_counts, follows, dt_ns)
     before_m = watch.motion.tip_m if follows else tip_m
     way_m = (tip_m[observing.force_axis] - before_m[observing.force_axis]) * -observing.force_sign

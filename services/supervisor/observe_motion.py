@@ -16,14 +16,14 @@ class LinkWatch(NamedTuple):
     """One link under a current that must move it."""
 
     sign: int  # of that current; 0 = none
-    furthest_rad: float  # where it has got to in that direction
+    furthest_q: float  # where it has got to in that direction
     idle_ns: int  # since it last got further
 
 
 class MotionWatch(NamedTuple):
     """What is remembered of the motion."""
 
-    q_rad: Triple
+    q: Triple
     pitch_rad: float
     tip_m: Triple
     speed: Triple
@@ -38,14 +38,14 @@ class Codes(NamedTuple):
 
     low: LinkCounts
     high: LinkCounts
-    count_rad: Triple
+    count_q: Triple
 
 
 class Pose(NamedTuple):
     """Where the encoders say that the arm is."""
 
     counts: tuple[int, int, int]
-    q_rad: Triple
+    q: Triple
     pitch_rad: float
     tip_m: Triple
 
@@ -68,42 +68,42 @@ def _speeds(speeds: Triple, now: Triple, before: Triple, dt_s: float) -> Triple:
 
 
 @kernel
-def _driven(code: int, low: int, high: int, q_rad: float, stops: tuple[float, float], near_rad: float) -> int:
+def _driven(code: int, low: int, high: int, q: float, stops: tuple[float, float], near_q: float) -> int:
     """Sign of a current that must move the link: none in between, and none into a stop that it stands at."""
-    if code >= high and not q_rad >= stops[1] - near_rad:
+    if code >= high and not q >= stops[1] - near_q:
         return 1
-    if code <= low and not q_rad <= stops[0] + near_rad:
+    if code <= low and not q <= stops[0] + near_q:
         return -1
     return 0
 
 
 @kernel
-def link_step(watch: LinkWatch, sign: int, q_rad: float, dt_ns: int) -> LinkWatch:
+def link_step(watch: LinkWatch, sign: int, q: float, dt_ns: int) -> LinkWatch:
     """Time since the link last got further in the direction of its current; a count of chatter is no progress."""
-    if sign == 0 or sign != watch.sign or sign * (q_rad - watch.furthest_rad) > 0.0:
-        return LinkWatch(sign, q_rad, 0)
-    return LinkWatch(sign, watch.furthest_rad, watch.idle_ns + dt_ns)
+    if sign == 0 or sign != watch.sign or sign * (q - watch.furthest_q) > 0.0:
+        return LinkWatch(sign, q, 0)
+    return LinkWatch(sign, watch.furthest_q, watch.idle_ns + dt_ns)
 
 
 @kernel
-def against(watch: LinkWatch, q_rad: float) -> float:
+def against(watch: LinkWatch, q: float) -> float:
     """How far the link has gone against its current."""
-    return watch.sign * (watch.furthest_rad - q_rad)
+    return watch.sign * (watch.furthest_q - q)
 
 
 @kernel
 def _link(watch: LinkWatch, codes: Codes, dac_counts: LinkCounts, pose: Pose, link: int, dt_ns: int) -> LinkWatch:
     stops = (TRAVEL_LOW[link], TRAVEL_HIGH[link])
-    near_rad = AT_STOP_COUNTS * codes.count_rad[link]
-    sign = _driven(dac_counts[link], codes.low[link], codes.high[link], pose.q_rad[link], stops, near_rad)
-    return link_step(watch, sign, pose.q_rad[link], dt_ns)
+    near_q = AT_STOP_COUNTS * codes.count_q[link]
+    sign = _driven(dac_counts[link], codes.low[link], codes.high[link], pose.q[link], stops, near_q)
+    return link_step(watch, sign, pose.q[link], dt_ns)
 
 
 @kernel
 def motion_begin(pose: Pose) -> MotionWatch:
     """Every window at its first pose."""
     none, still = LinkWatch(0, 0.0, 0), (0.0, 0.0, 0.0)
-    return MotionWatch(pose.q_rad, pose.pitch_rad, pose.tip_m, still, still, none, none, none)
+    return MotionWatch(pose.q, pose.pitch_rad, pose.tip_m, still, still, none, none, none)
 
 
 @kernel
@@ -114,7 +114,7 @@ def motion_step(
     if not follows:
         watch = motion_begin(pose)
     dt_s = dt_ns * 1e-9
-    q, before = pose.q_rad, watch.q_rad
+    q, before = pose.q, watch.q
     speed = _speeds(watch.speed, q, before, dt_s)
     tip = _speeds(watch.tip_m_per_s, pose.tip_m, watch.tip_m, dt_s)
     rotate = _link(watch.rotate, codes, dac_counts, pose, 0, dt_ns)

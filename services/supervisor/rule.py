@@ -33,10 +33,10 @@ class GaugeObservation(NamedTuple):
 class MotionObservation(NamedTuple):
     """Joints and tip; link 3 in m."""
 
-    q_rad: Triple
+    q: Triple
     tip_m: Triple
     counts: tuple[int, int, int]
-    moved_rad: tuple[float, float, float, float]  # since the sample before; the fourth is the hand's pitch
+    moved_q: tuple[float, float, float, float]  # since the sample before; the fourth is the hand's pitch
     dt_s: float
     speed: Triple  # smooth
     tip_speed_m_per_s: float  # smooth
@@ -79,7 +79,7 @@ class Limits(NamedTuple):
     quiet_samples: int
     low_counts: tuple[int, int, int]  # ends of the counters: an encoder without its cable stands there
     high_counts: tuple[int, int, int]
-    count_rad: tuple[float, float, float, float]  # of each encoder; the fourth is the hand's pitch
+    count_q: tuple[float, float, float, float]  # of each encoder; the fourth is the hand's pitch
     lease_samples: int
     lease_ns: int
     faults_per_s: int

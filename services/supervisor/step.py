@@ -176,18 +176,18 @@ def _unloading(params: SupervisorParams, seen: Observed, cause: int) -> tuple[in
     if cause == _JOINT_LIMIT:
         config = params.limits.config
         return (
-            _inward(seen.motion.q_rad[0], config.joint_low_rad[0], config.joint_high_rad[0]),
-            _inward(seen.motion.q_rad[1], config.joint_low_rad[1], config.joint_high_rad[1]),
-            _inward(seen.motion.q_rad[2], config.joint_low_rad[2], config.joint_high_rad[2]),
+            _inward(seen.motion.q[0], config.joint_low_q[0], config.joint_high_q[0]),
+            _inward(seen.motion.q[1], config.joint_low_q[1], config.joint_high_q[1]),
+            _inward(seen.motion.q[2], config.joint_low_q[2], config.joint_high_q[2]),
         )
     return (0, 0, 0)
 
 
 @kernel
-def _inward(q_rad: float, low_rad: float, high_rad: float) -> int:
-    if q_rad < low_rad:
+def _inward(q: float, low_q: float, high_q: float) -> int:
+    if q < low_q:
         return 1
-    return -1 if q_rad > high_rad else 0
+    return -1 if q > high_q else 0
 
 
 @kernel

@@ -45,7 +45,7 @@ class Figure(NamedTuple):
 
 
 def column_names(body: Any, header: Any = None) -> tuple[str, ...]:
-    """Name of each scalar of a message; `q_rad[1]` is the second of an array, `header.seq` the frame's number."""
+    """Name of each scalar of a message; `q[1]` is the second of an array, `header.seq` the frame's number."""
     names = ["header.seq"] if header is not None else []
     for field, value in zip(body._fields, body, strict=True):
         names += [f"{field}[{i}]" for i in range(len(value))] if isinstance(value, tuple) else [field]
@@ -96,12 +96,12 @@ STATE_FIGURES = (
     _position(0, "x"),
     _position(1, "y"),
     _position(2, "z"),
-    Figure("figure/error/angle", _links("q_set_rad", DEG, ANGLES, "q_rad")),
-    Figure("figure/error/extension", _links("q_set_rad", MM, EXTENSION, "q_rad")),
-    Figure("figure/velocity/angle", _links("qd_set_rad_per_s", DEG, ANGLES, label=" set") + _links("qd_rad_per_s", DEG, ANGLES)),
+    Figure("figure/error/angle", _links("q_set", DEG, ANGLES, "q")),
+    Figure("figure/error/extension", _links("q_set", MM, EXTENSION, "q")),
+    Figure("figure/velocity/angle", _links("qd_set", DEG, ANGLES, label=" set") + _links("qd", DEG, ANGLES)),
     Figure(
         "figure/velocity/extension",
-        _links("qd_set_rad_per_s", MM, EXTENSION, label=" set") + _links("qd_rad_per_s", MM, EXTENSION),
+        _links("qd_set", MM, EXTENSION, label=" set") + _links("qd", MM, EXTENSION),
     ),
     Figure("figure/set_current", _links("current_a", MA), stepped=True),
     Figure("figure/integral", _links("integral_a", MA)),

@@ -1,7 +1,8 @@
 """What travels between the services. One NamedTuple a topic; its fields, in order, are the body on the wire.
 
 Counts are what converters read and write: encoder counters, signed A/D counts, D/A codes. Everything else is SI.
-Angles in rad, link 3 in m; link order is (rotate, down/up with + down, out/in with + out).
+`q` and `qd` are joint positions and velocities in rad and rad/s, of link 3 in m and m/s; link order is (rotate, down/up with +
+down, out/in with + out).
 A `tick` counts the samples of a trial: the force bias is taken at negative ticks, the reference starts at tick 0.
 """
 
@@ -151,8 +152,8 @@ class GroundTruth(NamedTuple):
 
     number: int
     tick: int
-    q_rad: Links
-    qd_rad_per_s: Links
+    q: Links
+    qd: Links
     pressure_a_pa: Links
     pressure_b_pa: Links
     spool_a: Links  # spool position as current
@@ -186,10 +187,10 @@ class ControllerState(NamedTuple):
 
     number: int
     tick: int
-    q_rad: Links
-    q_set_rad: Links
-    qd_rad_per_s: Links
-    qd_set_rad_per_s: Links
+    q: Links
+    q_set: Links
+    qd: Links
+    qd_set: Links
     x_m: Links
     x_set_m: Links
     x_nominal_m: Links

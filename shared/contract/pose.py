@@ -24,8 +24,8 @@ class Geometry(NamedTuple):
     offset_m: float = 0.13  # a2, shoulder axis to boom
     hand_m: float = 0.5  # a4, wrist to tip
     retracted_m: float = 0.788  # boom length at q3 = 0
-    low_rad: Triple = (-110 * RAD_PER_DEG, -30 * RAD_PER_DEG, 0.788 - 0.788)
-    high_rad: Triple = (110 * RAD_PER_DEG, 27 * RAD_PER_DEG, 1.828 - 0.788)
+    low_q: Triple = (-110 * RAD_PER_DEG, -30 * RAD_PER_DEG, 0.788 - 0.788)
+    high_q: Triple = (110 * RAD_PER_DEG, 27 * RAD_PER_DEG, 1.828 - 0.788)
 
 
 UNIMATE_GEOMETRY = Geometry()

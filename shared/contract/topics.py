@@ -19,11 +19,11 @@ class Topic(NamedTuple):
 
 TOPICS = (
     Topic("plant/sample", 1, messages.Sample, "plant", True, "1 period", True),
-    Topic("plant/ground_truth", 2, messages.GroundTruth, "plant", True, "", False),
+    Topic("plant/ground_truth", 21, messages.GroundTruth, "plant", True, "", False),
     Topic("plant/gate", 20, messages.GateEvent, "plant", False, "", False),
     Topic("plant/description", 4, messages.PlantDescription, "plant", False, "", False),
     Topic("controller/command", 5, messages.Command, "controller", True, "1 lease", True),
-    Topic("controller/state", 6, messages.ControllerState, "controller", True, "1 lease", False),
+    Topic("controller/state", 22, messages.ControllerState, "controller", True, "1 lease", False),
     Topic("supervisor/permit", 7, messages.Permit, "supervisor", True, "1 lease", True),
     Topic("plant/link_stats", 10, messages.LinkStats, "plant", False, "", False),
     Topic("controller/link_stats", 11, messages.LinkStats, "controller", False, "", False),

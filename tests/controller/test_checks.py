@@ -55,7 +55,7 @@ def test_what_does_not_fit_together_is_refused_in_one_line(config, segment, says
 
 
 def test_a_reference_up_to_the_end_of_travel_is_taken():
-    q2 = UNIMATE_GEOMETRY.high_rad[1]
+    q2 = UNIMATE_GEOMETRY.high_q[1]
     check(JOINT, (Segment("q2", "step", amount=q2), Segment("q1", "ramp", duration_s=1.0, blend_s=0.5, amount=1.9)), POSE)
 
 

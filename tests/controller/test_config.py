@@ -26,9 +26,9 @@ JOINT = ControllerConfig(target="joint")
 
 def test_a_dict_with_one_gain_changed_keeps_every_other_default():
     gains = [g._asdict() for g in UNIMATE_GAINS]
-    gains[1]["kp_a_per_rad"] = 10
+    gains[1]["kp_a_per_q"] = 10
     config = TypeAdapter(ControllerConfig).validate_python({"law": "pi", "gains": gains, "impedance": {"mass_kg": 50}})
-    assert config.gains[1] == UNIMATE_GAINS[1]._replace(kp_a_per_rad=10.0)
+    assert config.gains[1] == UNIMATE_GAINS[1]._replace(kp_a_per_q=10.0)
     assert config.gains[2] == UNIMATE_GAINS[2]
     assert config.impedance == ImpedanceConfig(mass_kg=50.0)
 
@@ -83,7 +83,7 @@ def test_the_mean_of_three_has_no_cutoff_and_only_the_bounded_filter_knows_the_n
 
 def test_kernel_parameters_hold_floats_even_where_ints_were_written():
     config = ControllerConfig(
-        gains=(UNIMATE_GAINS[0]._replace(kp_a_per_rad=5), *UNIMATE_GAINS[1:]),
+        gains=(UNIMATE_GAINS[0]._replace(kp_a_per_q=5), *UNIMATE_GAINS[1:]),
         impedance=ImpedanceConfig(mass_kg=1, stiffness_n_per_m=4, damping_ratio=1),
         recover_current_a=(0, 0, 0),
         adaptation=AdaptationConfig("stiffness", 20, 100, 20, 1, 100, 1000, 2),
@@ -109,9 +109,9 @@ def test_a_row_names_its_channel_and_kind_by_number_and_is_all_floats():
 
 
 def test_a_force_error_knows_no_dead_zone_and_a_position_error_does():
-    for target, dead_zones in (("explicit", {0.0}), ("impedance", {g.error_dead_zone_rad for g in UNIMATE_GAINS})):
+    for target, dead_zones in (("explicit", {0.0}), ("impedance", {g.error_dead_zone_q for g in UNIMATE_GAINS})):
         params = controller_params(ControllerConfig(target=target), DESCRIPTION, -444)
-        assert {gains.error_dead_zone_rad for gains in params.gains} == dead_zones
+        assert {gains.error_dead_zone_q for gains in params.gains} == dead_zones
 
 
 @pytest.mark.parametrize(

@@ -14,7 +14,7 @@ from hydrohil.shared.compiled.kernel import compiled
 DT_S = 0.0045
 MASS_KG, K_EFF = 500.0, 6200.0
 ZERO = (0.0, 0.0, 0.0)
-NO_DEAD_ZONE = UNIMATE_GAINS[1]._replace(error_dead_zone_rad=0.0)
+NO_DEAD_ZONE = UNIMATE_GAINS[1]._replace(error_dead_zone_q=0.0)
 
 
 def _params(k, xi_net=3.0, axis=2, sign=1.0):

@@ -47,9 +47,9 @@ def test_the_tip_is_the_boom_and_the_hand_rotated_as_vectors():
 
 
 @given(
-    st.floats(G.low_rad[0], G.high_rad[0]),
-    st.floats(G.low_rad[1], G.high_rad[1]),
-    st.floats(G.low_rad[2], G.high_rad[2]),
+    st.floats(G.low_q[0], G.high_q[0]),
+    st.floats(G.low_q[1], G.high_q[1]),
+    st.floats(G.low_q[2], G.high_q[2]),
     st.floats(-180 * RAD_PER_DEG, 0.0),
 )
 def test_inverse_undoes_forward_over_the_whole_travel(q1, q2, q3, pitch):
@@ -59,7 +59,7 @@ def test_inverse_undoes_forward_over_the_whole_travel(q1, q2, q3, pitch):
 
 @pytest.mark.parametrize("link", [0, 1, 2])
 def test_a_joint_on_its_limit_passes_and_just_past_it_is_clamped_and_named(link):
-    for limit, bits, past in ((G.low_rad, CLAMPED_LOW, -1e-9), (G.high_rad, CLAMPED_HIGH, 1e-9)):
+    for limit, bits, past in ((G.low_q, CLAMPED_LOW, -1e-9), (G.high_q, CLAMPED_HIGH, 1e-9)):
         q = [0.1, 0.1, 0.1]
         q[link] = limit[link]
         assert clamp_joints(G, tuple(q)) == (tuple(q), 0)
@@ -71,8 +71,8 @@ def test_a_joint_on_its_limit_passes_and_just_past_it_is_clamped_and_named(link)
 
 def test_what_lies_above_the_reach_is_clamped_onto_the_envelope():
     q, mask = inverse(G, (0.5, 0.0, 3.0), 0.0)
-    assert q[1] == G.low_rad[1]
-    assert q[2] == G.high_rad[2]
+    assert q[1] == G.low_q[1]
+    assert q[2] == G.high_q[2]
     assert mask == CLAMPED_LOW[1] | CLAMPED_HIGH[2]
 
 
@@ -133,9 +133,9 @@ def test_the_tips_velocity_leaves_no_domain_and_agrees_compiled():
 
 @pytest.mark.parametrize("axis", [0, 2])
 @given(
-    st.floats(G.low_rad[0], G.high_rad[0]),
-    st.floats(G.low_rad[1], G.high_rad[1]),
-    st.floats(G.low_rad[2], G.high_rad[2]),
+    st.floats(G.low_q[0], G.high_q[0]),
+    st.floats(G.low_q[1], G.high_q[1]),
+    st.floats(G.low_q[2], G.high_q[2]),
     st.floats(-180 * RAD_PER_DEG, 0.0),
 )
 def test_a_push_on_the_tip_does_the_work_that_its_joint_loads_do(axis, q1, q2, q3, pitch):

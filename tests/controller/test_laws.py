@@ -100,9 +100,9 @@ IN_PROGRAM_UNITS = (
 def _exact(gains, row, unit):
     """`gains` with the program's counts in place of Table 2's rounded mA."""
     return gains._replace(
-        kp_a_per_rad=row[1] * A_PER_COUNT / unit,
-        ki_a_per_rad_s=row[2] / 4.0 * A_PER_COUNT / unit,
-        ka_a_s_per_rad=row[3] * A_PER_COUNT / unit,
+        kp_a_per_q=row[1] * A_PER_COUNT / unit,
+        ki_a_per_q_s=row[2] / 4.0 * A_PER_COUNT / unit,
+        ka_a_s_per_q=row[3] * A_PER_COUNT / unit,
         boost_positive_a=row[7] * A_PER_COUNT,
         boost_negative_a=row[8] * A_PER_COUNT,
     )
@@ -165,7 +165,7 @@ def test_small_errors_vanish_only_while_the_set_point_is_slow(error_deg, speed_d
 
 
 def test_the_dead_zone_does_not_hold_on_its_limit():
-    assert position_error(G, 0.0, G.error_dead_zone_rad, 0.0) == G.error_dead_zone_rad
+    assert position_error(G, 0.0, G.error_dead_zone_q, 0.0) == G.error_dead_zone_q
 
 
 def test_the_morse_factor_is_one_while_following_and_small_after_a_step():
@@ -190,8 +190,8 @@ def test_the_stiction_rate_is_the_velocity_error_of_a_stuck_link_and_zero_for_a_
 
 
 def test_the_epsilon_raises_link_3s_trigger_from_1_5_to_5_9_mm_per_s():
-    assert stiction_rate(OUT_IN_GAINS, 0.0, 0.0058) < OUT_IN_GAINS.stiction_rate_min_rad_per_s
-    assert stiction_rate(OUT_IN_GAINS, 0.0, 0.0060) > OUT_IN_GAINS.stiction_rate_min_rad_per_s
+    assert stiction_rate(OUT_IN_GAINS, 0.0, 0.0058) < OUT_IN_GAINS.stiction_rate_min_q_per_s
+    assert stiction_rate(OUT_IN_GAINS, 0.0, 0.0060) > OUT_IN_GAINS.stiction_rate_min_q_per_s
 
 
 def _stuck(law, speed_deg_per_s, samples, gains=G):
@@ -335,8 +335,8 @@ def test_the_robust_law_is_the_solution_of_its_differential_equation():
         alpha = 8000 * DEG * DEG * (0.001 + abs(qd_set) / (10 * DEG))
         return 1151 * MA / DEG * 0.1 * q_set + gain * braking - integral * np.log(1.0 + (0.1 * qd_set) ** 2 / alpha) / dt_s
 
-    gains = G._replace(error_dead_zone_rad=0.0)
-    state, times = LinkLawState(peak_rad_per_s=peak, qd_set_rad_per_s=peak), np.arange(1, 4001) * dt_s
+    gains = G._replace(error_dead_zone_q=0.0)
+    state, times = LinkLawState(peak_q_per_s=peak, qd_set=peak), np.arange(1, 4001) * dt_s
     seen = []
     for t in times:
         q_set, qd_set = amplitude * math.sin(omega * t), peak * math.cos(omega * t)
@@ -352,15 +352,15 @@ def test_a_motion_is_as_fast_as_its_fastest_moment_until_the_set_point_stands_or
     state, peaks = AT_REST, []
     for speed in (0.1, 0.3, 0.2, 0.05, 0.2, 0.0, 0.1, -0.05, -0.02):
         peak = peak_speed(state, speed)
-        state = state._replace(peak_rad_per_s=peak, qd_set_rad_per_s=speed)
+        state = state._replace(peak_q_per_s=peak, qd_set=speed)
         peaks.append(peak)
     assert peaks == [0.1, 0.3, 0.3, 0.3, 0.3, 0.0, 0.1, 0.05, 0.05]
 
 
 def test_braking_stays_finite_however_slow_the_motion_was():
-    gains = G._replace(stiction_rate_min_rad_per_s=0.0)
-    assert braking_gain(gains, LAW_ROBUST, 0.0) == gains.ka_a_s_per_rad
-    assert braking_gain(G, LAW_ROBUST, 1e-320) == G.ka_a_s_per_rad
+    gains = G._replace(stiction_rate_min_q_per_s=0.0)
+    assert braking_gain(gains, LAW_ROBUST, 0.0) == gains.ka_a_s_per_q
+    assert braking_gain(G, LAW_ROBUST, 1e-320) == G.ka_a_s_per_q
 
 
 def test_only_the_torque_law_feeds_the_load_forward_and_against_it():
@@ -376,14 +376,14 @@ def test_only_the_torque_law_feeds_the_load_forward_and_against_it():
 def test_the_feed_forward_is_what_a_load_takes_off_the_break_away_current(gains, link, load):
     # a stuck link: the ports feed what leaks at D P = F_s - load,  K_q a(u)^2 sqrt((P_s - P) / 2) = C_l P + C_n P
     def break_away_a(load):
-        pressure = (link.breakaway_nm - load) / link.displacement_m3_per_rad
+        pressure = (link.breakaway_tau - load) / link.displacement_m3_per_q
         leak = (link.cross_leak_m3_per_s_pa + link.null_leak_m3_per_s_pa) * pressure
         full = link.flow_gain_m3_per_s_sqrt_pa * math.sqrt((UNIMATE.supply_pressure_pa - pressure) / 2.0)
         share = brentq(lambda part: full * part * part - leak, 0.0, 1.0)
         return link.overlap_a + share * (link.full_scale_a - link.overlap_a)
 
     slope = (break_away_a(-load) - break_away_a(load)) / (2.0 * load)
-    assert gains.load_feedforward_a_per_nm == pytest.approx(slope, rel=0.1)
+    assert gains.load_feedforward_a_per_tau == pytest.approx(slope, rel=0.1)
 
 
 def test_the_later_laws_agree_in_every_bit_compiled_and_never_leave_the_domain():
@@ -408,32 +408,32 @@ OLD = LinkLawState(0.3, 0, 0.1, -1, 0.2)  # of whatever law there was before
 @pytest.mark.parametrize("held_a", [-0.2, -0.105, -0.1, -0.09, -0.05, -0.005, 0.0, 0.005, 0.05, 0.09, 0.1, 0.2])
 @pytest.mark.parametrize("error", [-0.02, 0.0, 0.003])
 def test_a_law_that_takes_over_gives_the_current_that_the_valve_has(law, held_a, error):
-    load_nm = 40.0
-    state = take_over(OLD, G, law, 0.1, 0.1 + error, 0.0, load_nm, held_a)
+    load_tau = 40.0
+    state = take_over(OLD, G, law, 0.1, 0.1 + error, 0.0, load_tau, held_a)
     after, current_a, boosted = law_step(state, G, law, 0.1, 0.1 + error, 0.0, 0.0, 0.0)  # at rest no law resets or boosts
     if law == LAW_HYSTERESIS and G.hysteresis_a < abs(held_a) < G.deadband_positive_a - G.hysteresis_a:
         assert current_a == pytest.approx(math.copysign(G.deadband_positive_a, held_a))  # the relay leaps over it: its own level
     else:
-        assert current_a + load_feedforward(G, law, load_nm) == pytest.approx(held_a, abs=1e-12)
+        assert current_a + load_feedforward(G, law, load_tau) == pytest.approx(held_a, abs=1e-12)
     assert after.integral_a == pytest.approx(state.integral_a) and boosted == 0
 
 
 def test_other_gains_keep_the_sum_of_proportional_and_integral_term():
-    stiffer = G._replace(kp_a_per_rad=2.0 * G.kp_a_per_rad)
+    stiffer = G._replace(kp_a_per_q=2.0 * G.kp_a_per_q)
     e, before = 0.01, LinkLawState(0.03)
-    held_a = G.kp_a_per_rad * e + before.integral_a
+    held_a = G.kp_a_per_q * e + before.integral_a
     after = take_over(before, stiffer, LAW_PI, 0.0, e, 0.0, 0.0, held_a)
-    assert after.integral_a == pytest.approx(before.integral_a + (G.kp_a_per_rad - stiffer.kp_a_per_rad) * e)
+    assert after.integral_a == pytest.approx(before.integral_a + (G.kp_a_per_q - stiffer.kp_a_per_q) * e)
 
 
 def test_inside_the_dead_zone_the_integral_takes_all_of_the_current():
-    e = 0.99 * G.error_dead_zone_rad
+    e = 0.99 * G.error_dead_zone_q
     assert take_over(OLD, G, LAW_FINAL, 0.0, e, 0.0, 0.0, 0.04).integral_a == 0.04
 
 
 def test_what_a_law_remembers_of_the_motion_is_handed_on():
     after = take_over(OLD, G, LAW_FINAL, 0.0, 0.01, 0.15, 0.0, 0.04)
-    assert (after.boost_armed, after.qd_set_rad_per_s, after.peak_rad_per_s) == (OLD.boost_armed, 0.15, OLD.peak_rad_per_s)
+    assert (after.boost_armed, after.qd_set, after.peak_q_per_s) == (OLD.boost_armed, 0.15, OLD.peak_q_per_s)
 
 
 def test_compiled_and_plain_take_over_to_the_same_bits():

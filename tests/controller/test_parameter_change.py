@@ -71,8 +71,8 @@ def test_what_is_no_law_no_gain_and_no_number_of_the_target_stays_and_says_why(n
 @pytest.mark.parametrize(
     ("path", "on", "past"),
     [
-        ("controller.gains.down_up.kp_a_per_rad", 0.0, -5e-324),
-        ("controller.gains.out_in.alpha_max_rad2_per_s2", 5e-324, 0.0),
+        ("controller.gains.down_up.kp_a_per_q", 0.0, -5e-324),
+        ("controller.gains.out_in.alpha_max_q2_per_s2", 5e-324, 0.0),
         ("controller.impedance.stiffness_n_per_m", 1e7, math.nextafter(1e7, math.inf)),
         ("controller.impedance.mass_kg", 1e6, math.nextafter(1e6, math.inf)),
         ("controller.impedance.damping_ratio", 100.0, math.nextafter(100.0, math.inf)),
@@ -134,14 +134,12 @@ def test_what_the_trial_does_not_use_is_refused_instead_of_ignored():
 
 def test_a_list_element_is_named_by_link_or_index_and_told_by_link():
     for name in ("down_up", "1"):
-        after = assigned(LOADED, [f"controller.gains.{name}.kp_a_per_rad=3"])
-        assert differences(LOADED, after) == (
-            Difference("controller.gains.down_up.kp_a_per_rad", LOADED.gains[1].kp_a_per_rad, 3.0),
-        )
+        after = assigned(LOADED, [f"controller.gains.{name}.kp_a_per_q=3"])
+        assert differences(LOADED, after) == (Difference("controller.gains.down_up.kp_a_per_q", LOADED.gains[1].kp_a_per_q, 3.0),)
 
 
 def test_law_and_gains_act_at_once():
-    after = assigned(LOADED, ["controller.law=pi", "controller.gains.down_up.kp_a_per_rad=3"])
+    after = assigned(LOADED, ["controller.law=pi", "controller.gains.down_up.kp_a_per_q=3"])
     change = begun(50, LOADED, after, PERIOD_NS)
     assert change == Change(50, 50, LOADED, after)
     assert acting(change, 49) == LOADED and acting(change, 50) == after
@@ -186,8 +184,8 @@ def test_what_does_not_change_keeps_its_bits_while_others_move(share):
     ("assignments", "links"),
     [
         (["controller.law=pi"], 0b111),
-        (["controller.gains.rotate.kp_a_per_rad=3"], 0b001),
-        (["controller.gains.down_up.kp_a_per_rad=3", "controller.gains.out_in.ki_a_per_rad_s=3"], 0b110),
+        (["controller.gains.rotate.kp_a_per_q=3"], 0b001),
+        (["controller.gains.down_up.kp_a_per_q=3", "controller.gains.out_in.ki_a_per_q_s=3"], 0b110),
         (["controller.impedance.mass_kg=3"], 0),
     ],
 )

@@ -77,7 +77,7 @@ def test_a_shut_gate_means_tracking_set_point_measured_integral_zero_code_zero()
     _, out = _run(params, JOINT_STEP, [*_bias_phase(), *(_sample(t, gate=REVOKED, counts=_moved(t, t)) for t in range(1, 30))])
     for codes, thought in out:
         assert codes == STOPPED
-        assert thought.q_set_rad == thought.q_rad
+        assert thought.q_set == thought.q
         assert thought.x_set_m == thought.x_m
         assert thought.integral_a == (0.0, 0.0, 0.0)
         assert thought.current_a == (0.0, 0.0, 0.0)
@@ -203,7 +203,7 @@ def test_a_current_that_is_no_number_stops_at_once():
         assert slewed_code(current_a, 3000, 100) == ZERO_CODE
     assert slewed_code(0.36, 3000, 100) == 3100
     params = _params(target="joint")
-    broken = params._replace(gains=(params.gains[0]._replace(kp_a_per_rad=math.nan), *params.gains[1:]))
+    broken = params._replace(gains=(params.gains[0]._replace(kp_a_per_q=math.nan), *params.gains[1:]))
     _, out = _run(broken, JOINT_STEP, [*_bias_phase(), _sample(0)])
     assert out[-1][0][0] == ZERO_CODE
     assert out[-1][0][1] > ZERO_CODE
@@ -215,7 +215,7 @@ def test_a_gap_while_running_is_integrated_with_the_true_time_between_samples():
     memory, _ = _run(params, JOINT_STEP, start)
     before = memory.laws[1].integral_a
     memory, out = _run(params, JOINT_STEP, [_sample(9, late_ns=300_000)], memory)
-    gained = params.gains[1].linear_ki_a_per_rad_s * 0.05 * (8 * DT_S + 0.3e-3)
+    gained = params.gains[1].linear_ki_a_per_q_s * 0.05 * (8 * DT_S + 0.3e-3)
     assert memory.laws[1].integral_a - before == pytest.approx(gained)
     assert out[-1][0] != STOPPED
 
@@ -225,7 +225,7 @@ def test_the_reference_is_read_at_the_samples_true_time():
     ramp = (Segment("q1", "ramp", duration_s=1.0, amount=0.1),)
     _, out = _run(params, ramp, [*_bias_phase(), _sample(0), _sample(1, late_ns=-400_000)])
     thought = out[-1][1]
-    assert thought.q_set_rad[0] - out[0][1].q_rad[0] == pytest.approx(0.1 * (DT_S - 0.4e-3))
+    assert thought.q_set[0] - out[0][1].q[0] == pytest.approx(0.1 * (DT_S - 0.4e-3))
 
 
 def test_cartesian_references_start_at_the_pose_of_the_first_tick():
@@ -270,7 +270,7 @@ def test_a_vertical_way_becomes_an_angle_by_the_lever():
         params = _params(target="explicit", law="pi")
         samples = [_sample(t, counts=counts) for t in range(FIRST, 30)]
         thought = _run(params, (Segment("force", "step", amount=40.0),), samples)[1][-1][1]
-        turned = thought.q_set_rad[1] - thought.q_rad[1]
+        turned = thought.q_set[1] - thought.q[1]
         assert turned == pytest.approx((thought.x_m[2] - thought.x_set_m[2]) / lever_m, rel=0.01)
 
 
@@ -346,7 +346,7 @@ def test_the_torque_law_is_the_final_law_and_a_current_against_the_push(axis, si
     plain = _run(_params(axis, sign, law="final", target="joint"), JOINT_STEP, samples)[1]
     params = _params(axis, sign, law="torque", target="joint")
     for (_, final), (_, aware) in zip(plain, _run(params, JOINT_STEP, samples)[1], strict=True):
-        x, q, push_n = aware.x_m, aware.q_rad, sign * aware.force_mean_n if aware.tick >= 0 else 0.0
+        x, q, push_n = aware.x_m, aware.q, sign * aware.force_mean_n if aware.tick >= 0 else 0.0
         reach_m, height_m = math.hypot(x[0], x[1]), x[2]
         load_2 = -reach_m * push_n if axis == 2 else height_m * math.cos(q[0]) * push_n
         assert aware.current_a[1] - final.current_a[1] == pytest.approx(-0.068e-3 * load_2, abs=1e-12)
@@ -358,7 +358,7 @@ def test_a_set_point_beyond_the_travel_is_clamped_and_reported():
     params = _params(target="cartesian")
     _, out = _run(params, (Segment("x", "step", amount=2.0),), [*_bias_phase(), _sample(0)])
     assert out[-1][1].clamped != 0
-    assert out[-1][1].q_set_rad[2] == params.geometry.high_rad[2]
+    assert out[-1][1].q_set[2] == params.geometry.high_q[2]
     assert out[-2][1].clamped == 0
 
 
@@ -381,7 +381,7 @@ def test_the_final_law_brings_links_with_a_dead_valve_to_the_set_point():
             q[i] += DT_S * math.copysign(max(0.0, abs(u) - 0.08), u)
     assert thought.clamped == 0
     for i in range(3):
-        assert abs(thought.q_rad[i] - thought.q_set_rad[i]) <= 1.01 * params.gains[i].error_dead_zone_rad
+        assert abs(thought.q[i] - thought.q_set[i]) <= 1.01 * params.gains[i].error_dead_zone_q
 
 
 def test_plain_and_compiled_agree_in_every_bit_for_all_laws_targets_filters_and_adaptations():
@@ -433,10 +433,10 @@ def test_a_law_that_takes_over_holds_the_accepted_current_and_goes_on_from_it(la
     assert thought.current_a == tuple(map(code_to_current, held)) and thought.boosted == (0, 0, 0)
     assert memory.handover.links == 0
     for state, gains, q, q_set, current_a in zip(
-        memory.laws, new.gains, thought.q_rad, thought.q_set_rad, thought.current_a, strict=True
+        memory.laws, new.gains, thought.q, thought.q_set, thought.current_a, strict=True
     ):
         if law not in ("deadband", "hysteresis"):
-            assert state.integral_a == pytest.approx(current_a - gains.kp_a_per_rad * (q_set - q))
+            assert state.integral_a == pytest.approx(current_a - gains.kp_a_per_q * (q_set - q))
 
 
 def test_only_the_links_that_are_named_take_over_and_those_that_do_not_act_stay_without_current():

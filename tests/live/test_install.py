@@ -110,7 +110,7 @@ experiment = "fig-4-25"
 claims = true
 
 [[axes]]
-path = "controller.gains.down_up.kp_a_per_rad"
+path = "controller.gains.down_up.kp_a_per_q"
 list = [3.0, 3.5]
 """
 

@@ -16,7 +16,7 @@ from tests.support.live_cell import Cell, end, experiment, hydrohil, own_place, 
 pytestmark = pytest.mark.live
 WALL_CLOCK = {"sample_age_s"}
 LASTS_S = 15.0  # a command takes seconds to start on a busy machine
-GAIN = "controller.gains.down_up.kp_a_per_rad"
+GAIN = "controller.gains.down_up.kp_a_per_q"
 
 
 @pytest.fixture(scope="module")

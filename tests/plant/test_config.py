@@ -31,8 +31,8 @@ def test_the_bias_is_taken_over_whole_samples():
         ("jitter_substeps", 20, 21),
         ("latch_substeps", 0, -1),
         ("bias_s", 10.0, 10.1),
-        ("initial_q_rad", (0.0, 0.0, 1.04), (0.0, 0.0, 1.05)),
-        ("initial_q_rad", (0.0, 0.47, 0.0), (0.0, 0.48, 0.0)),
+        ("initial_q", (0.0, 0.0, 1.04), (0.0, 0.0, 1.05)),
+        ("initial_q", (0.0, 0.47, 0.0), (0.0, 0.48, 0.0)),
     ],
 )
 def test_what_an_experiment_says_to_the_plant_is_bounded(field, good, bad):

@@ -43,10 +43,10 @@ def at(scene, substep):
 def expected(*driven):
     """Positions after (codes, sub-steps) by the machine's own equations, plain."""
     contact = contact_params(Environment())
-    state = machine_start(UNIMATE, contact, PlantConfig().initial_q_rad)
+    state = machine_start(UNIMATE, contact, PlantConfig().initial_q)
     for codes, substeps in driven:
         state = advance(state, UNIMATE, contact, codes, substeps)
-    return state.q_rad, state.spool_a
+    return state.q, state.spool_a
 
 
 def test_codes_act_from_the_sub_step_at_which_they_are_written(scene):
@@ -54,7 +54,7 @@ def test_codes_act_from_the_sub_step_at_which_they_are_written(scene):
     timeline.substep = 72
     emulator.write(MOVING)
     seen = at(scene, 162)
-    assert (seen.q_rad, seen.spool_a) == expected((ZERO, 72), (MOVING, 90))
+    assert (seen.q, seen.spool_a) == expected((ZERO, 72), (MOVING, 90))
     assert seen.spool_a[2] > expected()[1][2] + 0.05
 
 
@@ -63,7 +63,7 @@ def test_a_converter_that_is_not_written_goes_to_zero_by_itself_at_the_end_of_th
     _, emulator = scene
     emulator.write(MOVING)
     seen = at(scene, silence)
-    assert (seen.q_rad, seen.spool_a) == expected((MOVING, WATCHDOG), (ZERO, silence - WATCHDOG))
+    assert (seen.q, seen.spool_a) == expected((MOVING, WATCHDOG), (ZERO, silence - WATCHDOG))
 
 
 def test_reading_does_not_feed_the_watchdog(scene):
@@ -71,7 +71,7 @@ def test_reading_does_not_feed_the_watchdog(scene):
     emulator.write(MOVING)
     for substep in range(90, 900, 90):
         seen = at(scene, substep)
-    assert (seen.q_rad, seen.spool_a) == expected((MOVING, WATCHDOG), (ZERO, 810 - WATCHDOG))
+    assert (seen.q, seen.spool_a) == expected((MOVING, WATCHDOG), (ZERO, 810 - WATCHDOG))
 
 
 def test_writing_feeds_the_watchdog(scene):
@@ -80,8 +80,8 @@ def test_writing_feeds_the_watchdog(scene):
         timeline.substep = substep
         emulator.write(MOVING)
     seen = at(scene, 900)
-    assert seen.q_rad == expected((MOVING, 900))[0]
-    assert seen.q_rad[2] > PlantConfig().initial_q_rad[2]
+    assert seen.q == expected((MOVING, 900))[0]
+    assert seen.q[2] > PlantConfig().initial_q[2]
 
 
 def test_a_shorter_lease_falls_at_once_when_it_is_over_already(scene):
@@ -90,7 +90,7 @@ def test_a_shorter_lease_falls_at_once_when_it_is_over_already(scene):
     at(scene, 300)
     emulator.watchdog(200)
     seen = at(scene, 390)
-    assert (seen.q_rad, seen.spool_a) == expected((MOVING, 300), (ZERO, 90))
+    assert (seen.q, seen.spool_a) == expected((MOVING, 300), (ZERO, 90))
 
 
 def test_a_trial_begins_at_its_declared_state_whatever_was_before(scene):
@@ -100,8 +100,8 @@ def test_a_trial_begins_at_its_declared_state_whatever_was_before(scene):
     emulator.begin()
     timeline.substep = 350
     seen = emulator.ground_truth()
-    assert (seen.q_rad, seen.spool_a, seen.qd_rad_per_s) == (*expected(), (0.0,) * 3)
-    assert at(scene, 700).q_rad == PlantConfig().initial_q_rad
+    assert (seen.q, seen.spool_a, seen.qd) == (*expected(), (0.0,) * 3)
+    assert at(scene, 700).q == PlantConfig().initial_q
 
 
 def test_the_noise_of_a_trial_is_that_of_its_ticks(scene):
@@ -164,7 +164,7 @@ def test_a_stuck_converter_holds_its_code_against_its_watchdog_and_the_others_go
     timeline.number, timeline.substep = 1, 90
     emulator.read()
     seen = at(scene, WATCHDOG + 100)
-    assert (seen.q_rad, seen.spool_a) == expected(((2100, 2048, 2700), WATCHDOG), (MOVING, 100))
+    assert (seen.q, seen.spool_a) == expected(((2100, 2048, 2700), WATCHDOG), (MOVING, 100))
     assert emulator.readback() == MOVING
 
 

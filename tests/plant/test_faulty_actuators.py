@@ -36,9 +36,9 @@ def orifice_speed(machine, current_a):
     part = (current_a + link.null_bias_a - link.overlap_a) / (link.full_scale_a - link.overlap_a)
     speed = 0.0
     for _ in range(200):
-        load_pa = (link.coulomb_nm + link.viscous_nms_per_rad * speed) / link.displacement_m3_per_rad
+        load_pa = (link.coulomb_tau + link.viscous_tau_s_per_q * speed) / link.displacement_m3_per_q
         flow = link.flow_gain_m3_per_s_sqrt_pa * part**2 * math.sqrt((machine.supply_pressure_pa - load_pa) / 2.0)
-        speed += 0.5 * ((flow - link.cross_leak_m3_per_s_pa * load_pa) / link.displacement_m3_per_rad - speed)
+        speed += 0.5 * ((flow - link.cross_leak_m3_per_s_pa * load_pa) / link.displacement_m3_per_q - speed)
     return speed
 
 
@@ -46,24 +46,24 @@ def orifice_speed(machine, current_a):
 def test_what_is_left_of_the_supply_sets_the_speed_as_the_root_of_its_pressure(share):
     machine = broken(Fault("drop", "supply", value=share))
     assert machine.supply_pressure_pa == pytest.approx((1.0 - share) * UNIMATE.supply_pressure_pa)
-    speed = steady(machine, 0, 0.3).qd_rad_per_s[0]
+    speed = steady(machine, 0, 0.3).qd[0]
     assert speed == pytest.approx(orifice_speed(machine, 0.3), rel=0.02)
-    assert speed < 1.001 * math.sqrt(1.0 - share) * steady(UNIMATE, 0, 0.3).qd_rad_per_s[0]
+    assert speed < 1.001 * math.sqrt(1.0 - share) * steady(UNIMATE, 0, 0.3).qd[0]
 
 
 def test_without_a_supply_a_moving_link_stops_and_a_standing_one_stays():
     dead = broken(Fault("drop", "supply", value=1.0))
     moving = steady(UNIMATE, 0, 0.3)
-    assert moving.qd_rad_per_s[0] > 0.1
+    assert moving.qd[0] > 0.1
     after = run(moving, dead, FREE, one_of(0, 0.3), SECOND, SUBSTEP_S)
-    assert after.qd_rad_per_s[0] == 0.0
-    assert run(after, dead, FREE, one_of(0, 0.36), SECOND, SUBSTEP_S).q_rad[0] == after.q_rad[0]
+    assert after.qd[0] == 0.0
+    assert run(after, dead, FREE, one_of(0, 0.36), SECOND, SUBSTEP_S).q[0] == after.q[0]
 
 
 def break_away_a(machine, index):
     """Current at which a slow ramp moves the link."""
     state, current_a = machine_start(UNIMATE, FREE, ONE_METRE), 0.0
-    while state.qd_rad_per_s[index] == 0.0 and current_a < 0.6:
+    while state.qd[index] == 0.0 and current_a < 0.6:
         current_a += RAMP_A_PER_S * STEPS * SUBSTEP_S
         state = run(state, machine, FREE, one_of(index, current_a), STEPS, SUBSTEP_S)
     return current_a
@@ -75,7 +75,7 @@ def test_a_leak_raises_the_break_away_current_until_the_port_feeds_it(times):
     machine = broken(Fault("leak", "valve_rotate", value=times))
     link = machine.rotate
     assert link.cross_leak_m3_per_s_pa == times * UNIMATE.rotate.cross_leak_m3_per_s_pa
-    load_pa = link.breakaway_nm / link.displacement_m3_per_rad
+    load_pa = link.breakaway_tau / link.displacement_m3_per_q
     root = math.sqrt((machine.supply_pressure_pa - load_pa) / 2.0)
     part = math.sqrt(link.cross_leak_m3_per_s_pa * load_pa / (link.flow_gain_m3_per_s_sqrt_pa * root))
     expected_a = link.overlap_a - link.null_bias_a + part * (link.full_scale_a - link.overlap_a)
@@ -92,7 +92,7 @@ def test_the_largest_leak_of_the_table_is_no_trouble_for_the_sub_step(index):
         pressures = state.pressure_a_pa + state.pressure_b_pa
         assert min(pressures) >= 0.0 and max(pressures) <= UNIMATE.supply_pressure_pa
         assert state.pressure_a_pa[index] == pytest.approx(state.pressure_b_pa[index], rel=0.1)  # the leak joins them
-        assert abs(state.qd_rad_per_s[index]) < abs(steady(UNIMATE, index, current_a).qd_rad_per_s[index]) + 1e-12
+        assert abs(state.qd[index]) < abs(steady(UNIMATE, index, current_a).qd[index]) + 1e-12
 
 
 @pytest.mark.parametrize("index", [0, 2])
@@ -101,16 +101,16 @@ def test_a_stuck_spool_goes_on_feeding_when_the_current_is_gone(index):
     stuck = broken(Fault("stuck", VALVES[index]))
     after = run(moving, stuck, FREE, SHUT, SECOND // 2, SUBSTEP_S)
     assert after.spool_a[index] == moving.spool_a[index]
-    assert after.qd_rad_per_s[index] == pytest.approx(moving.qd_rad_per_s[index], rel=0.1)
-    assert moving.qd_rad_per_s[index] > 0.05
+    assert after.qd[index] == pytest.approx(moving.qd[index], rel=0.1)
+    assert moving.qd[index] > 0.05
     sound = run(moving, UNIMATE, FREE, SHUT, SECOND // 2, SUBSTEP_S)
-    assert sound.qd_rad_per_s[index] == 0.0
+    assert sound.qd[index] == 0.0
 
 
 def test_a_spool_stuck_at_null_moves_nothing_whatever_the_current():
     stuck = broken(Fault("stuck", "valve_rotate"))
     state = steady(stuck, 0, 0.36)
-    assert (state.q_rad[0], state.spool_a[0]) == (ONE_METRE[0], UNIMATE.rotate.null_bias_a)
+    assert (state.q[0], state.spool_a[0]) == (ONE_METRE[0], UNIMATE.rotate.null_bias_a)
 
 
 @pytest.mark.parametrize("index", [0, 1, 2])

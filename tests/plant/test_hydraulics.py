@@ -63,21 +63,21 @@ def test_the_valve_gain_gives_the_no_load_speed_at_360_ma(link, speed):
     gain = link.flow_gain_m3_per_s_sqrt_pa * port_area(link, 0.360)
     into_a, into_b = port_flows(gain, (SUPPLY / 2, SUPPLY / 2), ENDS, SMOOTHING)
     assert into_a == pytest.approx(-into_b)
-    assert into_a / link.displacement_m3_per_rad == pytest.approx(speed, rel=1e-4)
+    assert into_a / link.displacement_m3_per_q == pytest.approx(speed, rel=1e-4)
 
 
 def test_a_shut_chamber_is_a_spring_of_its_bulk_modulus():
     tight = LINK._replace(cross_leak_m3_per_s_pa=0.0, null_leak_m3_per_s_pa=0.0)
     a_pa, b_pa = chamber_step(tight, LinkState(0.1, 0.2, 0.0, 3e6, 4e6), NO_FLOW, ENDS, STEP)
-    swept = tight.displacement_m3_per_rad * 0.2 * STEP
-    volume_a = tight.dead_volume_m3 + tight.displacement_m3_per_rad * (0.1 - tight.travel_low_rad)
-    volume_b = tight.dead_volume_m3 + tight.displacement_m3_per_rad * (tight.travel_high_rad - 0.1)
+    swept = tight.displacement_m3_per_q * 0.2 * STEP
+    volume_a = tight.dead_volume_m3 + tight.displacement_m3_per_q * (0.1 - tight.travel_low_q)
+    volume_b = tight.dead_volume_m3 + tight.displacement_m3_per_q * (tight.travel_high_q - 0.1)
     assert a_pa - 3e6 == pytest.approx(-tight.bulk_modulus_pa * swept / volume_a)
     assert b_pa - 4e6 == pytest.approx(tight.bulk_modulus_pa * swept / volume_b)
 
 
 def settle(link, a_pa, b_pa, seconds):
-    state = LinkState((link.travel_low_rad + link.travel_high_rad) / 2, 0.0, 0.0, a_pa, b_pa)
+    state = LinkState((link.travel_low_q + link.travel_high_q) / 2, 0.0, 0.0, a_pa, b_pa)
     for _ in range(round(seconds / STEP)):
         a_pa, b_pa = chamber_step(link, state, NO_FLOW, ENDS, STEP)
         state = state._replace(pressure_a_pa=a_pa, pressure_b_pa=b_pa)
@@ -87,7 +87,7 @@ def settle(link, a_pa, b_pa, seconds):
 def test_a_leaking_piston_loses_its_load_pressure_exponentially():
     link = LINK._replace(null_leak_m3_per_s_pa=0.0)
     a_pa, b_pa = settle(link, 5e6, 2e6, 0.1)
-    middle = link.displacement_m3_per_rad * (link.travel_high_rad - link.travel_low_rad) / 2
+    middle = link.displacement_m3_per_q * (link.travel_high_q - link.travel_low_q) / 2
     rate = 2 * link.bulk_modulus_pa * link.cross_leak_m3_per_s_pa / (link.dead_volume_m3 + middle)
     assert a_pa + b_pa == pytest.approx(7e6)
     assert a_pa - b_pa == pytest.approx(3e6 * math.exp(-rate * 0.1), rel=1e-3)

@@ -49,7 +49,7 @@ def one_of(index, value):
 def without_losses(machine):
     def bare(link):
         return link._replace(
-            cross_leak_m3_per_s_pa=0.0, null_leak_m3_per_s_pa=0.0, coulomb_nm=0.0, breakaway_nm=0.0, viscous_nms_per_rad=0.0
+            cross_leak_m3_per_s_pa=0.0, null_leak_m3_per_s_pa=0.0, coulomb_tau=0.0, breakaway_tau=0.0, viscous_tau_s_per_q=0.0
         )
 
     return machine._replace(rotate=bare(machine.rotate), down_up=bare(machine.down_up), out_in=bare(machine.out_in))
@@ -59,8 +59,8 @@ def without_losses(machine):
 def test_a_machine_with_shut_valves_does_not_creep_at_all(q):
     start = machine_start(UNIMATE, FREE, q)
     after = run(start, UNIMATE, FREE, SHUT, 2 * SECOND, SUBSTEP_S)
-    assert after.q_rad == start.q_rad
-    assert after.qd_rad_per_s == SHUT
+    assert after.q == start.q
+    assert after.qd == SHUT
 
 
 @pytest.mark.parametrize("contact", [plate(), plate(53150.0), crate(0.998)])
@@ -69,7 +69,7 @@ def test_a_machine_that_starts_in_contact_holds_its_force(contact):
     start = machine_start(UNIMATE, contact, q)
     after = run(start, UNIMATE, contact, SHUT, 2 * SECOND, SUBSTEP_S)
     assert start.contact.force_n > 20.0
-    assert after.q_rad == start.q_rad
+    assert after.q == start.q
     assert after.contact == pytest.approx(start.contact)
 
 
@@ -79,11 +79,11 @@ def test_the_pressures_of_the_start_carry_the_weight(q):
     start = machine_start(UNIMATE, FREE, q)
     weight = gravity_loads(UNIMATE, posture(UNIMATE, q))
     for link, a, b, load in zip(LINKS, start.pressure_a_pa, start.pressure_b_pa, weight, strict=True):
-        assert link.displacement_m3_per_rad * (a - b) == pytest.approx(-load, abs=1e-6)
+        assert link.displacement_m3_per_q * (a - b) == pytest.approx(-load, abs=1e-6)
         assert a + b == pytest.approx(UNIMATE.supply_pressure_pa)
     bare = without_losses(UNIMATE)
     after = run(start, bare, FREE, SHUT, SECOND // 2, SUBSTEP_S)
-    assert after.q_rad == pytest.approx(q, abs=1e-9)
+    assert after.q == pytest.approx(q, abs=1e-9)
 
 
 @pytest.mark.parametrize("contact", [plate(), plate(53150.0), crate(1.009)])
@@ -92,19 +92,19 @@ def test_the_pressures_of_the_start_carry_the_push_of_the_environment(contact):
     pushed = machine_start(bare, contact, q)
     after = run(pushed, bare, contact, SHUT, SECOND // 2, SUBSTEP_S)
     assert pushed.contact.force_n > 20.0
-    assert after.q_rad[1:] == pytest.approx(q[1:], abs=1e-9)
+    assert after.q[1:] == pytest.approx(q[1:], abs=1e-9)
     let_go = run(pushed, bare, FREE, SHUT, SECOND // 2, SUBSTEP_S)
-    assert let_go.q_rad[1:] != pytest.approx(q[1:], abs=1e-9)
+    assert let_go.q[1:] != pytest.approx(q[1:], abs=1e-9)
 
 
 def test_viscous_friction_alone_brakes_exponentially():
     bare = without_losses(UNIMATE)
-    soft = bare.rotate._replace(bulk_modulus_pa=1e-3, viscous_nms_per_rad=1500.0)  # chambers that do not resist
+    soft = bare.rotate._replace(bulk_modulus_pa=1e-3, viscous_tau_s_per_q=1500.0)  # chambers that do not resist
     machine = bare._replace(rotate=soft)
-    state = machine_start(machine, FREE, ONE_METRE)._replace(qd_rad_per_s=(0.2, 0.0, 0.0))
+    state = machine_start(machine, FREE, ONE_METRE)._replace(qd=(0.2, 0.0, 0.0))
     inertia = inertias(machine, posture(machine, ONE_METRE))[0]
     after = run(state, machine, FREE, SHUT, SECOND // 5, SUBSTEP_S)
-    assert after.qd_rad_per_s[0] == pytest.approx(0.2 * math.exp(-1500.0 / inertia / 5), rel=1e-2)
+    assert after.qd[0] == pytest.approx(0.2 * math.exp(-1500.0 / inertia / 5), rel=1e-2)
 
 
 def test_a_start_outside_the_travel_is_refused_by_name():
@@ -117,29 +117,29 @@ def test_a_start_outside_the_travel_is_refused_by_name():
 def test_a_shut_link_rings_at_its_hydraulic_frequency(index):
     """w = sqrt(beta D^2 (1 / Va + 1 / Vb) / M) where nothing is lost."""
     bare, link, q = without_losses(UNIMATE)._replace(counterbalance_kg_m=45.0 * 0.3), LINKS[index], ONE_METRE
-    d = link.displacement_m3_per_rad
+    d = link.displacement_m3_per_q
     volumes = [
-        link.dead_volume_m3 + d * (q[index] - link.travel_low_rad),
-        link.dead_volume_m3 + d * (link.travel_high_rad - q[index]),
+        link.dead_volume_m3 + d * (q[index] - link.travel_low_q),
+        link.dead_volume_m3 + d * (link.travel_high_q - q[index]),
     ]
     inertia = inertias(bare, posture(bare, q))[index]
     angular = math.sqrt(link.bulk_modulus_pa * d * d * (1 / volumes[0] + 1 / volumes[1]) / inertia)
-    state = machine_start(bare, FREE, q)._replace(qd_rad_per_s=one_of(index, 1e-3))
+    state = machine_start(bare, FREE, q)._replace(qd=one_of(index, 1e-3))
     crossings, at = [], 0
     while len(crossings) < 11:
-        before = state.qd_rad_per_s[index]
+        before = state.qd[index]
         state, at = run(state, bare, FREE, SHUT, 1, SUBSTEP_S), at + 1
-        if before < 0.0 <= state.qd_rad_per_s[index]:
+        if before < 0.0 <= state.qd[index]:
             crossings.append(at * SUBSTEP_S)
     assert (crossings[-1] - crossings[0]) / 10 == pytest.approx(2 * math.pi / angular, rel=0.01)
 
 
 @pytest.mark.parametrize("index", [0, 1, 2])
 def test_a_moving_link_comes_to_rest_when_its_valve_shuts(index):
-    state = machine_start(UNIMATE, FREE, ONE_METRE)._replace(qd_rad_per_s=one_of(index, 0.2))
+    state = machine_start(UNIMATE, FREE, ONE_METRE)._replace(qd=one_of(index, 0.2))
     after = run(state, UNIMATE, FREE, SHUT, 2 * SECOND, SUBSTEP_S)
-    assert after.qd_rad_per_s == SHUT
-    assert abs(after.q_rad[index] - ONE_METRE[index]) < 0.02
+    assert after.qd == SHUT
+    assert abs(after.q[index] - ONE_METRE[index]) < 0.02
 
 
 SPEEDS = [(0, 24 * RAD_PER_DEG), (1, 21 * RAD_PER_DEG), (2, 0.38)]
@@ -147,10 +147,10 @@ SPEEDS = [(0, 24 * RAD_PER_DEG), (1, 21 * RAD_PER_DEG), (2, 0.38)]
 
 def speed_at(machine, index, current_a):
     link = (machine.rotate, machine.down_up, machine.out_in)[index]
-    middle = (link.travel_low_rad + link.travel_high_rad) / 2
+    middle = (link.travel_low_q + link.travel_high_q) / 2
     q = tuple(middle if i == index else value for i, value in enumerate(ONE_METRE))
     state = run(machine_start(machine, FREE, q), machine, FREE, one_of(index, current_a), SECOND // 2, SUBSTEP_S)
-    return state.qd_rad_per_s[index]
+    return state.qd[index]
 
 
 @pytest.mark.parametrize(("index", "speed"), SPEEDS)
@@ -171,12 +171,12 @@ def break_away_a(index, sign):
     """Current at which a ramp of 10 mA/s has moved a link by a count."""
     count = (0.0281778 * RAD_PER_DEG, 0.0284006 * RAD_PER_DEG, 0.00105)[index]
     state = run(machine_start(UNIMATE, FREE, ONE_METRE), UNIMATE, FREE, SHUT, 2 * SECOND, SUBSTEP_S)
-    rest, step = state.q_rad[index], SECOND // 100
+    rest, step = state.q[index], SECOND // 100
     for hundredth in range(3000):
         current_a = sign * 0.010 * hundredth / 100
         state = run(state, UNIMATE, FREE, one_of(index, current_a), step, SUBSTEP_S)
-        if abs(state.q_rad[index] - rest) > count:
-            assert math.copysign(1.0, state.q_rad[index] - rest) == sign
+        if abs(state.q[index] - rest) > count:
+            assert math.copysign(1.0, state.q[index] - rest) == sign
             return abs(current_a)
     return math.inf
 
@@ -204,22 +204,22 @@ def test_pressures_stay_between_vacuum_and_the_supply_however_the_valves_swing(c
 def test_the_end_of_travel_stops_a_link_and_lets_it_come_back(index):
     link = LINKS[index]
     at_end = run(machine_start(UNIMATE, FREE, ONE_METRE), UNIMATE, FREE, one_of(index, 0.36), 8 * SECOND, SUBSTEP_S)
-    assert at_end.q_rad[index] == link.travel_high_rad
-    assert at_end.qd_rad_per_s[index] == 0.0
+    assert at_end.q[index] == link.travel_high_q
+    assert at_end.qd[index] == 0.0
     back = run(at_end, UNIMATE, FREE, one_of(index, -0.36), SECOND // 2, SUBSTEP_S)
-    assert back.q_rad[index] < link.travel_high_rad
+    assert back.q[index] < link.travel_high_q
 
 
 @pytest.mark.parametrize("link", LINKS)
 @pytest.mark.parametrize("high", [True, False])
 def test_a_stop_holds_what_went_beyond_it_and_leaves_alone_what_stands_at_it(link, high):
-    end, outside = (link.travel_high_rad, math.inf) if high else (link.travel_low_rad, -math.inf)
+    end, outside = (link.travel_high_q, math.inf) if high else (link.travel_low_q, -math.inf)
     at_it = LinkState(end, 0.1, 0.2, 3e6, 4e6)
-    beyond = at_it._replace(q_rad=math.nextafter(end, outside))
+    beyond = at_it._replace(q=math.nextafter(end, outside))
     assert inside(at_it, link) and not inside(beyond, link)
     assert stopped(at_it, link) == at_it
-    assert stopped(beyond, link) == at_it._replace(qd_rad_per_s=0.0)
-    assert math.isnan(stopped(at_it._replace(q_rad=math.nan), link).q_rad)
+    assert stopped(beyond, link) == at_it._replace(qd=0.0)
+    assert math.isnan(stopped(at_it._replace(q=math.nan), link).q)
 
 
 @pytest.mark.parametrize("stiffness", [7208.0, 53150.0])
@@ -229,7 +229,7 @@ def test_a_tool_driven_into_the_plate_feels_plate_and_gauge_in_series(stiffness)
     rest = run(pressed, UNIMATE, contact, SHUT, 2 * SECOND, SUBSTEP_S)
     depth_m = -0.375 - tip_position(rest, UNIMATE)[2]
     ks = UNIMATE.sensor_stiffness_n_per_m
-    assert rest.qd_rad_per_s == SHUT
+    assert rest.qd == SHUT
     assert rest.contact.force_n > 10.0
     assert rest.contact.force_n == pytest.approx(depth_m * stiffness * ks / (stiffness + ks), rel=1e-3)
 
@@ -256,7 +256,7 @@ def test_speed_and_force_do_not_depend_on_the_sub_step(step_s):
     forces, fine = pushed_forces(SUBSTEP_S), pushed_forces(step_s)
     assert sum(fine) / len(fine) == pytest.approx(sum(forces) / len(forces), rel=0.01)
     start, current = machine_start(UNIMATE, FREE, ONE_METRE), one_of(1, 0.2)
-    speeds = [run(start, UNIMATE, FREE, current, round(1.0 / h), h).qd_rad_per_s[1] for h in (SUBSTEP_S, step_s)]
+    speeds = [run(start, UNIMATE, FREE, current, round(1.0 / h), h).qd[1] for h in (SUBSTEP_S, step_s)]
     assert speeds[1] == pytest.approx(speeds[0], rel=0.01)
 
 
@@ -274,7 +274,7 @@ def test_plain_and_compiled_agree_bit_for_bit(contact):
         assert sense_compiled(fast, UNIMATE, contact, 3.3) == sense(plain, UNIMATE, contact, 3.3)
         assert ground_truth_compiled(fast, UNIMATE, contact, 7, -3) == ground_truth(plain, UNIMATE, contact, 7, -3)
         forces.add(plain.contact.force_n)
-    assert all(now != then for now, then in zip(plain.q_rad, start.q_rad, strict=True))
+    assert all(now != then for now, then in zip(plain.q, start.q, strict=True))
     assert len(forces) == (1 if contact is FREE else 5)
 
 
@@ -304,6 +304,6 @@ def test_truth_tells_which_link_stands():
 def test_positive_current_turns_left_goes_down_and_out():
     start = machine_start(UNIMATE, FREE, ONE_METRE)
     after = advance_compiled(start, UNIMATE, FREE, (2648, 2648, 2648), SECOND)
-    assert all(now > before for now, before in zip(after.q_rad, start.q_rad, strict=True))
+    assert all(now > before for now, before in zip(after.q, start.q, strict=True))
     assert tip_position(after, UNIMATE)[2] < tip_position(start, UNIMATE)[2]
-    assert advance_compiled(start, UNIMATE, FREE, SHUT_CODES, SECOND).q_rad == start.q_rad
+    assert advance_compiled(start, UNIMATE, FREE, SHUT_CODES, SECOND).q == start.q

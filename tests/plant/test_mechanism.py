@@ -92,5 +92,5 @@ def test_inertia_at_one_metre_is_the_stated_one():
 @given(poses)
 def test_break_away_carries_the_weight_in_every_pose(q):
     weight = gravity_loads(UNIMATE, posture(UNIMATE, q))
-    assert abs(weight[1]) < UNIMATE.down_up.breakaway_nm
-    assert abs(weight[2]) < UNIMATE.out_in.breakaway_nm
+    assert abs(weight[1]) < UNIMATE.down_up.breakaway_tau
+    assert abs(weight[2]) < UNIMATE.out_in.breakaway_tau

@@ -28,7 +28,7 @@ def test_a_supply_outside_its_band_is_refused(supply_pa):
         MACHINE.validate_python(as_dict(UNIMATE) | {"supply_pressure_pa": supply_pa})
 
 
-@pytest.mark.parametrize("name", ["displacement_m3_per_rad", "dead_volume_m3", "valve_lag_s", "stribeck_rad_per_s"])
+@pytest.mark.parametrize("name", ["displacement_m3_per_q", "dead_volume_m3", "valve_lag_s", "stribeck_q_per_s"])
 @pytest.mark.parametrize("value", [0.0, -1.0, math.nan, math.inf])
 def test_what_a_sub_step_divides_by_must_be_positive_and_finite(name, value):
     with pytest.raises(ValidationError):

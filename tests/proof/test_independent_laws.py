@@ -45,7 +45,7 @@ def test_the_linear_law_is_python_controls_discrete_pi(gains):
     """u(z) = (K_P + K_I T z / (z - 1)) e(z)."""
     times = np.arange(800) * DT_S
     errors = np.array([lagging(t)[1] - lagging(t)[0] for t in times])
-    law = control.tf([gains.kp_a_per_rad], [1.0], DT_S) + control.tf([gains.linear_ki_a_per_rad_s * DT_S, 0.0], [1.0, -1.0], DT_S)
+    law = control.tf([gains.kp_a_per_q], [1.0], DT_S) + control.tf([gains.linear_ki_a_per_q_s * DT_S, 0.0], [1.0, -1.0], DT_S)
     want = np.asarray(control.forced_response(law, times, errors).outputs)
     got = currents_and_integrals(LAW_PI, gains, lagging, times)[:, 0]
     assert got == pytest.approx(want, rel=1e-9, abs=1e-12)
@@ -54,7 +54,7 @@ def test_the_linear_law_is_python_controls_discrete_pi(gains):
 def test_the_linear_law_tends_to_the_continuous_pi():
     times = np.arange(800) * DT_S
     errors = np.array([lagging(t)[1] - lagging(t)[0] for t in times])
-    law = control.tf([G.kp_a_per_rad, G.linear_ki_a_per_rad_s], [1.0, 0.0])
+    law = control.tf([G.kp_a_per_q, G.linear_ki_a_per_q_s], [1.0, 0.0])
     want = np.asarray(control.forced_response(law, times, errors).outputs)
     got = currents_and_integrals(LAW_PI, G, lagging, times)[:, 0]
     assert got == pytest.approx(want, abs=0.01 * float(np.max(np.abs(want))))
@@ -66,11 +66,11 @@ def continuous_integral(gains, motion, times, braking):
     def rate(t, integral):
         q, q_set, qd, qd_set = motion(t)
         ed = qd_set - qd
-        alpha = gains.alpha_max_rad2_per_s2 * (0.001 + abs(qd_set) / gains.qd_max_rad_per_s)
-        drive = gains.ki_a_per_rad_s * (q_set - q)
+        alpha = gains.alpha_max_q2_per_s2 * (0.001 + abs(qd_set) / gains.qd_max_q_per_s)
+        drive = gains.ki_a_per_q_s * (q_set - q)
         if braking:
             acceleration = (motion(t + 1e-5)[3] - motion(t - 1e-5)[3]) / 2e-5
-            drive += gains.ka_a_s_per_rad * (acceleration if acceleration * qd_set < 0.0 else 0.0)
+            drive += gains.ka_a_s_per_q * (acceleration if acceleration * qd_set < 0.0 else 0.0)
         return drive - integral * math.log1p(ed * ed / alpha) / DT_S
 
     found = solve_ivp(rate, (0.0, times[-1] + DT_S), [0.0], t_eval=times + DT_S, rtol=1e-8, atol=1e-12, max_step=0.005)
@@ -88,7 +88,7 @@ def test_the_nonlinear_integral_is_that_of_its_differential_equation(law, brakin
 
 def test_the_decay_and_the_braking_matter_in_that_comparison():
     times = np.arange(1100) * DT_S
-    plain = np.cumsum([G.ki_a_per_rad_s * (lagging(t)[1] - lagging(t)[0]) * DT_S for t in times])
+    plain = np.cumsum([G.ki_a_per_q_s * (lagging(t)[1] - lagging(t)[0]) * DT_S for t in times])
     morse, final = (continuous_integral(G, lagging, times, braking) for braking in (False, True))
     assert np.max(np.abs(morse - plain)) > 0.1 * np.max(np.abs(morse))
     assert np.max(np.abs(morse - final)) > 0.1 * np.max(np.abs(morse))
@@ -98,17 +98,17 @@ def test_the_decay_and_the_braking_matter_in_that_comparison():
 @pytest.mark.parametrize("sign", [1.0, -1.0])
 def test_a_boost_sets_the_integral_to_appendix_cs_formula(gains, sign):
     """K_I I = U_boost - K_P e, whatever was in the integral: the next current is U_boost but for one sample of error."""
-    e, rate = sign * 2.5 * gains.error_dead_zone_rad, sign * 10.0 * gains.stiction_rate_min_rad_per_s
+    e, rate = sign * 2.5 * gains.error_dead_zone_q, sign * 10.0 * gains.stiction_rate_min_q_per_s
     boost_a = gains.boost_positive_a if sign > 0 else -gains.boost_negative_a
     for charge_a in (0.0, 0.01, -0.02):
         state, before, boosted = law_step(AT_REST._replace(integral_a=charge_a), gains, LAW_VETIA, 0.0, e, 0.0, rate, DT_S)
         assert boosted == 1 and abs(before) < gains.boost_below_a
-        assert state.integral_a == pytest.approx(boost_a - gains.kp_a_per_rad * e, rel=1e-12)
+        assert state.integral_a == pytest.approx(boost_a - gains.kp_a_per_q * e, rel=1e-12)
         _, after, again = law_step(state, gains, LAW_VETIA, 0.0, e, 0.0, rate, DT_S)
-        alpha = gains.alpha_max_rad2_per_s2 * (0.001 + abs(rate) / gains.qd_max_rad_per_s)
-        charged = (boost_a - gains.kp_a_per_rad * e + gains.ki_a_per_rad_s * e * DT_S) * alpha / (alpha + rate * rate)
+        alpha = gains.alpha_max_q2_per_s2 * (0.001 + abs(rate) / gains.qd_max_q_per_s)
+        charged = (boost_a - gains.kp_a_per_q * e + gains.ki_a_per_q_s * e * DT_S) * alpha / (alpha + rate * rate)
         assert again == 0
-        assert after == pytest.approx(gains.kp_a_per_rad * e + charged, rel=1e-12)
+        assert after == pytest.approx(gains.kp_a_per_q * e + charged, rel=1e-12)
 
 
 def denavit_hartenberg(theta, alpha, a, d):

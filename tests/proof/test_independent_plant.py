@@ -22,12 +22,12 @@ INERTIA = (361.0, 111.0, 45.0)
 HUGE_NM = 1e12  # friction that locks a link
 
 
-def many_steps(state, link, machine, currents, load_nm, inertia, step_s):
+def many_steps(state, link, machine, currents, load_tau, inertia, step_s):
     found = np.empty((len(currents), 5))
     for row in range(len(currents)):
-        state = link_step(state, link, machine, currents[row], load_nm, inertia, step_s)
-        found[row, 0] = state.q_rad
-        found[row, 1] = state.qd_rad_per_s
+        state = link_step(state, link, machine, currents[row], load_tau, inertia, step_s)
+        found[row, 0] = state.q
+        found[row, 1] = state.qd
         found[row, 2] = state.spool_a
         found[row, 3] = state.pressure_a_pa
         found[row, 4] = state.pressure_b_pa
@@ -37,10 +37,10 @@ def many_steps(state, link, machine, currents, load_nm, inertia, step_s):
 RUN = compiled(many_steps)
 
 
-def derivatives(link, current_at, load_nm, inertia, locked):
+def derivatives(link, current_at, load_tau, inertia, locked):
     """State (q, q', spool, Pa, Pb): valve, orifice, continuity and Newton as docs/physics.md writes them."""
     supply, drain = UNIMATE.supply_pressure_pa, UNIMATE.return_pressure_pa
-    d = link.displacement_m3_per_rad
+    d = link.displacement_m3_per_q
 
     def root(drop):
         return math.copysign(math.sqrt(abs(drop)), drop) * (drop * drop / (drop * drop + UNIMATE.root_smoothing_pa**2)) ** 0.25
@@ -54,12 +54,12 @@ def derivatives(link, current_at, load_nm, inertia, locked):
         else:
             into_a, into_b = -gain * root(a - drain), gain * root(supply - b)
         cross, null = link.cross_leak_m3_per_s_pa * (a - b), link.null_leak_m3_per_s_pa
-        volume_a = link.dead_volume_m3 + d * (q - link.travel_low_rad)
-        volume_b = link.dead_volume_m3 + d * (link.travel_high_rad - q)
+        volume_a = link.dead_volume_m3 + d * (q - link.travel_low_q)
+        volume_b = link.dead_volume_m3 + d * (link.travel_high_q - q)
         speed = 0.0 if locked else v
         return (
             speed,
-            0.0 if locked else (d * (a - b) - link.viscous_nms_per_rad * v + load_nm) / inertia,
+            0.0 if locked else (d * (a - b) - link.viscous_tau_s_per_q * v + load_tau) / inertia,
             (current_at(t) + link.null_bias_a - x) / link.valve_lag_s,
             link.bulk_modulus_pa / volume_a * (into_a - cross + null * (supply - 2.0 * a + drain) - d * speed),
             link.bulk_modulus_pa / volume_b * (into_b + cross + null * (supply - 2.0 * b + drain) + d * speed),
@@ -73,9 +73,9 @@ def derivatives(link, current_at, load_nm, inertia, locked):
 def test_one_link_moves_as_its_differential_equations(index, locked):
     """A current that swings through both ports and the overlap, for 0.8 s; dry friction locks the link or is left out."""
     friction = HUGE_NM if locked else 0.0
-    link = LINKS[index]._replace(coulomb_nm=friction, breakaway_nm=friction)
-    middle = (link.travel_low_rad + link.travel_high_rad) / 2.0 + 0.05
-    load_nm, inertia = (0.0, 60.0, -100.0)[index], INERTIA[index]
+    link = LINKS[index]._replace(coulomb_tau=friction, breakaway_tau=friction)
+    middle = (link.travel_low_q + link.travel_high_q) / 2.0 + 0.05
+    load_tau, inertia = (0.0, 60.0, -100.0)[index], INERTIA[index]
 
     def current_at(t):
         return 0.25 * math.sin(2.0 * math.pi * 2.0 * t)
@@ -83,9 +83,9 @@ def test_one_link_moves_as_its_differential_equations(index, locked):
     times = np.arange(1, round(0.8 / STEP_S) + 1) * STEP_S
     start = LinkState(middle, 0.0, 0.0, 3.4e6, 3.6e6)
     currents = np.array([current_at(t - STEP_S / 2.0) for t in times])
-    got = RUN(start, link, UNIMATE, currents, load_nm, inertia, STEP_S)
+    got = RUN(start, link, UNIMATE, currents, load_tau, inertia, STEP_S)
     want = solve_ivp(
-        derivatives(link, current_at, load_nm, inertia, locked),
+        derivatives(link, current_at, load_tau, inertia, locked),
         (0.0, times[-1]),
         tuple(start),
         method="LSODA",
@@ -98,15 +98,15 @@ def test_one_link_moves_as_its_differential_equations(index, locked):
     assert np.max(np.abs(got - want) / scale, axis=0) == pytest.approx(np.zeros(5), abs=0.01)
 
 
-def steady_speed(link, current_a, load_nm):
+def steady_speed(link, current_a, load_tau):
     """D (Pa - Pb) balances friction and load, and the orifice passes what sweep and leak take."""
     spool_a, side = current_a + link.null_bias_a, math.copysign(1.0, current_a)
     opening = (abs(spool_a) - link.overlap_a) / (link.full_scale_a - link.overlap_a)
-    d, leak = link.displacement_m3_per_rad, link.cross_leak_m3_per_s_pa + link.null_leak_m3_per_s_pa
+    d, leak = link.displacement_m3_per_q, link.cross_leak_m3_per_s_pa + link.null_leak_m3_per_s_pa
 
     def excess(speed):
-        dry = link.coulomb_nm + (link.breakaway_nm - link.coulomb_nm) * math.exp(-((speed / link.stribeck_rad_per_s) ** 2))
-        load_pa = (dry + link.viscous_nms_per_rad * speed - side * load_nm) / d
+        dry = link.coulomb_tau + (link.breakaway_tau - link.coulomb_tau) * math.exp(-((speed / link.stribeck_q_per_s) ** 2))
+        load_pa = (dry + link.viscous_tau_s_per_q * speed - side * load_tau) / d
         drop = (UNIMATE.supply_pressure_pa - UNIMATE.return_pressure_pa - load_pa) / 2.0
         return link.flow_gain_m3_per_s_sqrt_pa * opening * opening * math.sqrt(drop) - leak * load_pa - d * speed
 
@@ -117,12 +117,12 @@ def steady_speed(link, current_a, load_nm):
 @pytest.mark.parametrize("index", [0, 1, 2], ids=NAMES)
 def test_a_link_runs_at_the_speed_of_the_orifice_equation(index, current_a):
     """Fast enough not to stick and slip, which link 3 does at 200 mA."""
-    link, load_nm = LINKS[index], (0.0, 56.0, 0.0)[index]
-    travel, want = link.travel_high_rad - link.travel_low_rad, steady_speed(link, current_a, load_nm)
-    q_rad = link.travel_low_rad + 0.05 * travel if current_a > 0.0 else link.travel_high_rad - 0.05 * travel
+    link, load_tau = LINKS[index], (0.0, 56.0, 0.0)[index]
+    travel, want = link.travel_high_q - link.travel_low_q, steady_speed(link, current_a, load_tau)
+    q = link.travel_low_q + 0.05 * travel if current_a > 0.0 else link.travel_high_q - 0.05 * travel
     seconds = min(4.0, 0.85 * travel / abs(want))
-    start = LinkState(q_rad, 0.0, link.null_bias_a, 3.5e6, 3.5e6)
-    got = RUN(start, link, UNIMATE, np.full(round(seconds / STEP_S), current_a), load_nm, INERTIA[index], STEP_S)
+    start = LinkState(q, 0.0, link.null_bias_a, 3.5e6, 3.5e6)
+    got = RUN(start, link, UNIMATE, np.full(round(seconds / STEP_S), current_a), load_tau, INERTIA[index], STEP_S)
     assert np.mean(got[-2000:, 1]) == pytest.approx(want, rel=0.005)
 
 

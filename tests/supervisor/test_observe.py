@@ -130,7 +130,7 @@ def test_nothing_is_remembered_at_first():
 
 def nothing_has_moved(seen):
     return (
-        seen.motion.moved_rad == (0.0, 0.0, 0.0, 0.0)
+        seen.motion.moved_q == (0.0, 0.0, 0.0, 0.0)
         and seen.motion.dt_s == T_NS * 1e-9
         and (seen.gauge.jump_n, seen.gauge.unexplained_n, seen.gauge.energy_j) == (0.0, 0.0, 0.0)
     )
@@ -154,8 +154,8 @@ def test_a_newer_sample_of_the_same_trial_or_still_of_none_is_told_with_its_way(
     watch, first = observe(watch_start(), sample(49, before))
     seen = observe(watch, sample(50, tick, encoder_counts=ELSEWHERE))[1]
     assert (
-        seen.motion.moved_rad[:3]
-        == tuple(now - was for now, was in zip(seen.motion.q_rad, first.motion.q_rad, strict=True))
+        seen.motion.moved_q[:3]
+        == tuple(now - was for now, was in zip(seen.motion.q, first.motion.q, strict=True))
         != (0.0, 0.0, 0.0)
     )
 
@@ -167,7 +167,7 @@ def test_an_absence_judges_the_sample_before_once_more_and_takes_nothing_in():
     watch, seen = observe(watch, sample(51, 7, encoder_counts=ELSEWHERE, **push))
     after_it, again = observe(watch, sample(51, 7, encoder_counts=ELSEWHERE, **push), ABSENT)
     assert after_it == watch
-    assert (again.motion.moved_rad, again.motion.dt_s, again.gauge.jump_n) == ((0.0, 0.0, 0.0, 0.0), 0.0, 0.0)
+    assert (again.motion.moved_q, again.motion.dt_s, again.gauge.jump_n) == ((0.0, 0.0, 0.0, 0.0), 0.0, 0.0)
     for field in ("speed", "tip_speed_m_per_s", "idle_ns", "against"):
         assert getattr(again.motion, field) == getattr(seen.motion, field)
     assert any(seen.motion.idle_ns) and seen.motion.tip_speed_m_per_s > 0.0
@@ -177,7 +177,7 @@ def test_an_absence_judges_the_sample_before_once_more_and_takes_nothing_in():
 def test_an_absence_before_the_first_sample_finds_nothing_moved_and_leaves_nothing():
     watch, seen = observe(watch_start(), sample(51, NO_TRIAL, encoder_counts=ELSEWHERE, force_counts=PUSHED), ABSENT)
     assert watch == watch_start()
-    assert (seen.motion.moved_rad, seen.gauge.jump_n, seen.transport.lost_samples) == ((0.0, 0.0, 0.0, 0.0), 0.0, 0)
+    assert (seen.motion.moved_q, seen.gauge.jump_n, seen.transport.lost_samples) == ((0.0, 0.0, 0.0, 0.0), 0.0, 0)
 
 
 @pytest.mark.parametrize("gap", [1, 3])

@@ -50,7 +50,7 @@ def test_nothing_has_moved_at_the_first_sample_of_a_trial_wherever_it_begins():
     watch = play([LEVEL] * 3)[0]
     other = (100, 300, 600, 0, 33)
     begun = observe_step(watch, OBSERVING, sample(103, NO_TRIAL, encoder_counts=other), RUNNING)[1]
-    assert begun.motion.moved_rad == (0.0, 0.0, 0.0, 0.0)
+    assert begun.motion.moved_q == (0.0, 0.0, 0.0, 0.0)
     again = observe_step(watch, OBSERVING, sample(103, 1, encoder_counts=other), RUNNING)[1]  # its tick went back
     assert (again.motion.speed, again.motion.tip_speed_m_per_s) == ((0.0, 0.0, 0.0), 0.0)
 
@@ -58,16 +58,16 @@ def test_nothing_has_moved_at_the_first_sample_of_a_trial_wherever_it_begins():
 @pytest.mark.parametrize("link", range(3))
 def test_a_steady_turn_is_its_speed_and_one_count_of_chatter_is_slow(link):
     moved = play([at(link, LEVEL[link] + row) for row in range(60)])[1].motion
-    assert abs(moved.speed[link]) == pytest.approx(LIMITS.count_rad[link] / 0.0045, rel=1e-3)
-    assert abs(moved.moved_rad[link]) == pytest.approx(LIMITS.count_rad[link])
+    assert abs(moved.speed[link]) == pytest.approx(LIMITS.count_q[link] / 0.0045, rel=1e-3)
+    assert abs(moved.moved_q[link]) == pytest.approx(LIMITS.count_q[link])
     chatter = play([at(link, LEVEL[link] + row % 2) for row in range(60)])[1].motion
-    assert abs(chatter.speed[link]) < LIMITS.count_rad[link] / 0.02
+    assert abs(chatter.speed[link]) < LIMITS.count_q[link] / 0.02
 
 
 @pytest.mark.parametrize("link", range(3))
 @pytest.mark.parametrize("sign", [-1, 1])
 def test_full_speed_is_borne_and_a_count_more_in_one_sample_is_a_jump(link, sign):
-    most = math.floor(FULL_SPEED[link] * 0.0045 / LIMITS.count_rad[link]) + 1
+    most = math.floor(FULL_SPEED[link] * 0.0045 / LIMITS.count_q[link]) + 1
     assert first_broken(play([LEVEL, at(link, LEVEL[link] + sign * most)])[1], LIMITS)[0] == 0
     broken = first_broken(play([LEVEL, at(link, LEVEL[link] + sign * (most + 1))])[1], LIMITS)
     assert broken[0] == TripCause.ENCODER_JUMP
@@ -140,11 +140,11 @@ def test_the_current_that_must_move_a_link_moves_it_by_a_count_whatever_stands_a
     machine = UNIMATE._replace(supply_pressure_pa=6.5e6)
     current_a = sign * (MOVES_UP_A if sign > 0.0 else MOVES_DOWN_A)[link]
     for load in LOADS[link]:
-        half_pa = (-sign * params.breakaway_nm - load) / params.displacement_m3_per_rad / 2.0  # left the wrong way round
+        half_pa = (-sign * params.breakaway_tau - load) / params.displacement_m3_per_q / 2.0  # left the wrong way round
         state = LinkState(0.2, 0.0, params.null_bias_a, 3.25e6 + half_pa, 3.25e6 - half_pa)
         for _ in range(int(0.2 / 50e-6)):
             state = machine_link_step(state, params, machine, current_a, load, INERTIAS[link], 50e-6)
-        assert sign * (state.q_rad - 0.2) >= LIMITS.count_rad[link]
+        assert sign * (state.q - 0.2) >= LIMITS.count_q[link]
 
 
 @pytest.mark.parametrize("link", range(3))
@@ -155,12 +155,12 @@ def test_a_link_at_full_speed_comes_to_rest_within_its_braking_way(link):
         for load in LOADS[link]:
             state = LinkState(0.2, 0.0, params.null_bias_a, 3.5e6, 3.5e6)
             for _ in range(8000):
-                state = machine_link_step(state, params, machine, -sign * 0.36, load, INERTIAS[link], 50e-6)._replace(q_rad=0.2)
+                state = machine_link_step(state, params, machine, -sign * 0.36, load, INERTIAS[link], 50e-6)._replace(q=0.2)
             current_a, furthest = sign * (MOVES_UP_A if sign > 0.0 else MOVES_DOWN_A)[link], 0.0
             for _ in range(3000):
                 state = machine_link_step(state, params, machine, current_a, load, INERTIAS[link], 50e-6)
-                furthest = max(furthest, sign * (0.2 - state.q_rad))
-            assert 0.0 < furthest <= BRAKES[link] - LIMITS.count_rad[link]
+                furthest = max(furthest, sign * (0.2 - state.q))
+            assert 0.0 < furthest <= BRAKES[link] - LIMITS.count_q[link]
 
 
 SAMPLES = st.builds(
@@ -194,7 +194,7 @@ STILL = (0.0, 0.0, 0.0)
 def test_every_window_begins_at_the_first_pose():
     nobody, used = LinkWatch(0, 0.0, 0), LinkWatch(1, 0.5, 99)
     pose = Pose((1, 2, 3), (0.1, 0.2, 0.3), 0.4, (0.5, 0.6, 0.7))
-    first = MotionWatch(pose.q_rad, 0.4, pose.tip_m, STILL, STILL, nobody, nobody, nobody)
+    first = MotionWatch(pose.q, 0.4, pose.tip_m, STILL, STILL, nobody, nobody, nobody)
     assert motion_begin(pose) == first
     before = MotionWatch((9.0,) * 3, 9.0, (9.0,) * 3, (9.0,) * 3, (9.0,) * 3, used, used, used)
     begun = motion_step(before, CODES, pose, CODES.high, False, T_NS)[0]
@@ -205,7 +205,7 @@ def test_every_axis_is_told_its_way():
     watch = motion_begin(Pose((0, 0, 0), (0.1, 0.2, 0.3), 0.4, (0.5, 0.6, 0.7)))
     pose = Pose((1, 2, 3), (0.11, 0.22, 0.33), 0.44, (0.52, 0.66, 0.73))
     after, seen = motion_step(watch, CODES, pose, (2048, 2048, 2048), True, T_NS)
-    assert seen.moved_rad == pytest.approx((0.01, 0.02, 0.03, 0.04))
+    assert seen.moved_q == pytest.approx((0.01, 0.02, 0.03, 0.04))
     assert seen.counts == (1, 2, 3)
     smoothed = [way / 0.0245 for way in (0.01, 0.02, 0.03)]
     assert seen.speed == after.speed == pytest.approx(smoothed)
@@ -219,7 +219,7 @@ def test_the_way_against_its_current_is_told_of_each_link(link):
     driven = tuple(CODES.high[i] if i == link else 2048 for i in range(3))
     watch, seen = play([LEVEL, at(link, LEVEL[link] - 2 * step_by)], driven)
     others = [i for i in range(3) if i != link]
-    assert seen.motion.against[link] == pytest.approx(2.0 * LIMITS.count_rad[link])
+    assert seen.motion.against[link] == pytest.approx(2.0 * LIMITS.count_q[link])
     assert [seen.motion.against[i] for i in others] == [0.0, 0.0]
     assert seen.motion.idle_ns == tuple(T_NS if i == link else 0 for i in range(3))
     assert (watch.motion.rotate, watch.motion.down_up, watch.motion.out_in)[link].sign == 1
@@ -227,9 +227,9 @@ def test_the_way_against_its_current_is_told_of_each_link(link):
 
 def test_a_current_into_a_stop_must_move_nothing_and_one_a_hair_off_it_must():
     stops = (0.0, 1.0)
-    for q_rad, up, down in ((0.9, 0, -1), (math.nextafter(0.9, 0.0), 1, -1), (0.1, 1, 0), (math.nextafter(0.1, 1.0), 1, -1)):
-        assert _driven(3000, 1000, 3000, q_rad, stops, 0.1) == up
-        assert _driven(1000, 1000, 3000, q_rad, stops, 0.1) == down
+    for q, up, down in ((0.9, 0, -1), (math.nextafter(0.9, 0.0), 1, -1), (0.1, 1, 0), (math.nextafter(0.1, 1.0), 1, -1)):
+        assert _driven(3000, 1000, 3000, q, stops, 0.1) == up
+        assert _driven(1000, 1000, 3000, q, stops, 0.1) == down
     assert _driven(2999, 1000, 3000, 0.5, stops, 0.1) == _driven(1001, 1000, 3000, 0.5, stops, 0.1) == 0
 
 

@@ -17,8 +17,8 @@ from tests.support.supervisor_scene import CONFIG, FINE, LIMITS, changed
 NAN, INF = math.nan, math.inf
 RAW, TARED = CONFIG.raw_force_limit_n, CONFIG.force_limit_n
 SPEED, FASTEST = CONFIG.joint_speed_limit, CONFIG.tip_speed_limit_m_per_s
-STEP = tuple(FULL_SPEED[i] * 0.0045 + LIMITS.count_rad[i] * (1.0 + 1e-9) for i in range(4))
-LOW_RAD, HIGH_RAD = CONFIG.joint_low_rad, CONFIG.joint_high_rad
+STEP = tuple(FULL_SPEED[i] * 0.0045 + LIMITS.count_q[i] * (1.0 + 1e-9) for i in range(4))
+LOW_Q, HIGH_Q = CONFIG.joint_low_q, CONFIG.joint_high_q
 LOW_M, HIGH_M = CONFIG.workspace_low_m, CONFIG.workspace_high_m
 first_broken_compiled = compiled(first_broken)
 
@@ -55,8 +55,8 @@ AT_LIMIT = [
     {"smooth_n": -25.0},
     *(one_of("counts", i, LIMITS.low_counts[i] + 1) for i in range(3)),
     *(one_of("counts", i, LIMITS.high_counts[i] - 1) for i in range(3)),
-    *(one_of("moved_rad", i, STEP[i]) for i in range(4)),
-    *(one_of("moved_rad", i, -STEP[i]) for i in range(4)),
+    *(one_of("moved_q", i, STEP[i]) for i in range(4)),
+    *(one_of("moved_q", i, -STEP[i]) for i in range(4)),
     *(one_of("against", i, BRAKES[i]) for i in range(3)),
     *(one_of("idle_ns", i, 200_000_000) for i in range(3)),
     *(one_of("speed", i, SPEED[i]) for i in range(3)),
@@ -80,8 +80,8 @@ AT_LIMIT = [
     {"gate": int(GateState.OPEN)},
     {"gate": int(GateState.SHUT)},
     {"gate": int(GateState.RECOVERING)},
-    *(one_of("q_rad", i, LOW_RAD[i]) for i in range(3)),
-    *(one_of("q_rad", i, HIGH_RAD[i]) for i in range(3)),
+    *(one_of("q", i, LOW_Q[i]) for i in range(3)),
+    *(one_of("q", i, HIGH_Q[i]) for i in range(3)),
     *(one_of("tip_m", i, LOW_M[i]) for i in range(3)),
     *(one_of("tip_m", i, HIGH_M[i]) for i in range(3)),
 ]
@@ -110,9 +110,9 @@ PAST = [  # what is seen, the cause, the number that broke, the limit it broke
     ({"smooth_n": NAN}, TripCause.FORCE_BELOW_BIAS, NAN, -25.0),
     *((one_of("counts", i, LIMITS.low_counts[i]), TripCause.ENCODER_INVALID, 0.0, 0.0) for i in range(3)),
     *((one_of("counts", i, high), TripCause.ENCODER_INVALID, high, high) for i, high in enumerate(LIMITS.high_counts)),
-    *((one_of("moved_rad", i, above(STEP[i])), TripCause.ENCODER_JUMP, above(STEP[i]), STEP[i]) for i in range(4)),
-    *((one_of("moved_rad", i, -above(STEP[i])), TripCause.ENCODER_JUMP, -above(STEP[i]), STEP[i]) for i in range(4)),
-    *((one_of("moved_rad", i, NAN), TripCause.ENCODER_JUMP, NAN, STEP[i]) for i in range(4)),
+    *((one_of("moved_q", i, above(STEP[i])), TripCause.ENCODER_JUMP, above(STEP[i]), STEP[i]) for i in range(4)),
+    *((one_of("moved_q", i, -above(STEP[i])), TripCause.ENCODER_JUMP, -above(STEP[i]), STEP[i]) for i in range(4)),
+    *((one_of("moved_q", i, NAN), TripCause.ENCODER_JUMP, NAN, STEP[i]) for i in range(4)),
     *((one_of("against", i, above(BRAKES[i])), TripCause.MOTION_AGAINST, above(BRAKES[i]), BRAKES[i]) for i in range(3)),
     *((one_of("against", i, NAN), TripCause.MOTION_AGAINST, NAN, BRAKES[i]) for i in range(3)),
     *((one_of("idle_ns", i, 200_000_001), TripCause.NO_MOTION, 0.200000001, 0.2) for i in range(3)),
@@ -126,9 +126,9 @@ PAST = [  # what is seen, the cause, the number that broke, the limit it broke
     ({"bias_n": NAN}, TripCause.BIAS, NAN, 60.0),
     ({"bias_spread_n": above(15.0)}, TripCause.BIAS, above(15.0), 15.0),
     ({"bias_spread_n": NAN}, TripCause.BIAS, NAN, 15.0),
-    *((one_of("q_rad", i, below(LOW_RAD[i])), TripCause.JOINT_LIMIT, below(LOW_RAD[i]), LOW_RAD[i]) for i in range(3)),
-    *((one_of("q_rad", i, above(HIGH_RAD[i])), TripCause.JOINT_LIMIT, above(HIGH_RAD[i]), HIGH_RAD[i]) for i in range(3)),
-    *((one_of("q_rad", i, NAN), TripCause.JOINT_LIMIT, NAN, LOW_RAD[i]) for i in range(3)),
+    *((one_of("q", i, below(LOW_Q[i])), TripCause.JOINT_LIMIT, below(LOW_Q[i]), LOW_Q[i]) for i in range(3)),
+    *((one_of("q", i, above(HIGH_Q[i])), TripCause.JOINT_LIMIT, above(HIGH_Q[i]), HIGH_Q[i]) for i in range(3)),
+    *((one_of("q", i, NAN), TripCause.JOINT_LIMIT, NAN, LOW_Q[i]) for i in range(3)),
     *((one_of("tip_m", i, below(LOW_M[i])), TripCause.WORKSPACE, below(LOW_M[i]), LOW_M[i]) for i in range(3)),
     *((one_of("tip_m", i, above(HIGH_M[i])), TripCause.WORKSPACE, above(HIGH_M[i]), HIGH_M[i]) for i in range(3)),
     *((one_of("tip_m", i, NAN), TripCause.WORKSPACE, NAN, LOW_M[i]) for i in range(3)),
@@ -260,10 +260,10 @@ OBSERVED = st.builds(
     st.builds(GaugeObservation, INTS, *(ANY_FLOAT,) * 10, INTS, st.integers(0, 2_000_000_000), ANY_FLOAT),
     st.builds(
         MotionObservation,
-        TRIPLES | st.just(FINE.motion.q_rad),
+        TRIPLES | st.just(FINE.motion.q),
         TRIPLES | st.just(FINE.motion.tip_m),
         st.tuples(INTS, INTS, INTS),
-        st.tuples(*(ANY_FLOAT,) * 4) | st.just(FINE.motion.moved_rad),
+        st.tuples(*(ANY_FLOAT,) * 4) | st.just(FINE.motion.moved_q),
         ANY_FLOAT,
         TRIPLES | st.just(FINE.motion.speed),
         ANY_FLOAT,
@@ -286,7 +286,7 @@ def test_plain_and_compiled_rules_agree_on_anything(seen):
 
 def test_every_row_tells_its_number_and_limit_even_while_it_holds():
     told = {rule.cause: (rule.measured(FINE, LIMITS), rule.limit(FINE, LIMITS)) for rule in RULES}
-    assert told[TripCause.JOINT_LIMIT] == (FINE.motion.q_rad[0], HIGH_RAD[0])
+    assert told[TripCause.JOINT_LIMIT] == (FINE.motion.q[0], HIGH_Q[0])
     assert told[TripCause.WORKSPACE] == (FINE.motion.tip_m[0], HIGH_M[0])
     assert told[TripCause.NOT_READY] == (1.0, 1.0)
     assert told[TripCause.SAMPLE_LOST] == (0.0, 4.0)
@@ -294,9 +294,9 @@ def test_every_row_tells_its_number_and_limit_even_while_it_holds():
 
 
 def test_of_several_values_the_first_outside_its_bounds_is_told():
-    for edge in (LOW_RAD[0], HIGH_RAD[0]):
-        seen = changed(FINE, q_rad=(edge, above(HIGH_RAD[1]), 9.0))
-        assert first_broken(seen, LIMITS) == (TripCause.JOINT_LIMIT, above(HIGH_RAD[1]), HIGH_RAD[1])
+    for edge in (LOW_Q[0], HIGH_Q[0]):
+        seen = changed(FINE, q=(edge, above(HIGH_Q[1]), 9.0))
+        assert first_broken(seen, LIMITS) == (TripCause.JOINT_LIMIT, above(HIGH_Q[1]), HIGH_Q[1])
 
 
 def test_a_bias_on_its_limit_leaves_the_word_to_its_spread():
@@ -305,9 +305,9 @@ def test_a_bias_on_its_limit_leaves_the_word_to_its_spread():
 
 
 def test_limits_that_cross_let_nothing_pass_and_tell_the_bound_that_broke():
-    crossed = LIMITS._replace(config=CONFIG._replace(joint_low_rad=(0.3, -0.5, 0.0), joint_high_rad=(0.2, 0.4, 1.0)))
+    crossed = LIMITS._replace(config=CONFIG._replace(joint_low_q=(0.3, -0.5, 0.0), joint_high_q=(0.2, 0.4, 1.0)))
     for value, limit in ((0.2, 0.3), (0.25, 0.2)):
-        assert first_broken(changed(FINE, q_rad=(value, 0.0, 0.2)), crossed) == (TripCause.JOINT_LIMIT, value, limit)
+        assert first_broken(changed(FINE, q=(value, 0.0, 0.2)), crossed) == (TripCause.JOINT_LIMIT, value, limit)
     narrow = LIMITS._replace(min_force_counts=6, max_force_counts=5)
     assert first_broken(changed(FINE, force_counts=6), narrow) == (TripCause.FORCE_INVALID, 6.0, 5.0)
     assert first_broken(changed(FINE, force_counts=5), narrow) == (TripCause.FORCE_INVALID, 5.0, 6.0)

@@ -242,7 +242,7 @@ def test_recovery_from_a_joint_limit_trips_anew_on_a_force():
 def beyond(link):
     """Counts of the arm with this link just beyond its limit, and a count further in."""
     outside, inside = list(LEVEL), list(LEVEL)
-    while CONFIG.joint_low_rad[link] <= joint_positions(PARAMS.observing.calibration, tuple(outside))[0][link]:
+    while CONFIG.joint_low_q[link] <= joint_positions(PARAMS.observing.calibration, tuple(outside))[0][link]:
         inside[link], outside[link] = outside[link], outside[link] + TOWARDS_LOW[link]
     return tuple(outside), tuple(inside)
 
@@ -365,10 +365,10 @@ def test_beyond_a_joint_limit_recovery_leads_inward(counts, signs):
 
 def test_a_joint_on_its_limit_is_led_nowhere_while_another_is_led_back():
     counts = beyond(1)[0]
-    q_rad = joint_positions(PARAMS.observing.calibration, counts)[0]
-    low, high = CONFIG.joint_low_rad[1], CONFIG.joint_high_rad[1]
-    for lows, highs in (((q_rad[0], low, -9.0), (9.0, high, q_rad[2])), ((-9.0, low, q_rad[2]), (q_rad[0], high, 9.0))):
-        limits = PARAMS.limits._replace(config=CONFIG._replace(joint_low_rad=lows, joint_high_rad=highs))
+    q = joint_positions(PARAMS.observing.calibration, counts)[0]
+    low, high = CONFIG.joint_low_q[1], CONFIG.joint_high_q[1]
+    for lows, highs in (((q[0], low, -9.0), (9.0, high, q[2])), ((-9.0, low, q[2]), (q[0], high, 9.0))):
+        limits = PARAMS.limits._replace(config=CONFIG._replace(joint_low_q=lows, joint_high_q=highs))
         stands = running(watch=watched(49, encoder_counts=counts))
         memory = step(stands, sample(50, 5, encoder_counts=counts), params=PARAMS._replace(limits=limits))
         assert (memory.cause, memory.recover_signs) == (TripCause.JOINT_LIMIT, (0, 1, 0))
@@ -378,11 +378,11 @@ def test_a_joint_on_its_limit_is_led_nowhere_while_another_is_led_back():
 @pytest.mark.parametrize("sign", [-1, 1])
 def test_each_joint_is_led_back_by_its_own_limits_and_no_other(link, sign):
     counts = (2000, 600, 700, 0, 33)
-    q_rad = joint_positions(PARAMS.observing.calibration, counts)[0]
-    assert min(abs(a - b) for a, b in itertools.combinations(q_rad, 2)) > 0.2
-    middle = tuple(q + 0.02 * sign * (i == link) for i, q in enumerate(q_rad))
-    lows, highs = (tuple(q + way for q in middle) for way in (-0.01, 0.01))
-    limits = PARAMS.limits._replace(config=CONFIG._replace(joint_low_rad=lows, joint_high_rad=highs))
+    q = joint_positions(PARAMS.observing.calibration, counts)[0]
+    assert min(abs(a - b) for a, b in itertools.combinations(q, 2)) > 0.2
+    middle = tuple(value + 0.02 * sign * (i == link) for i, value in enumerate(q))
+    lows, highs = (tuple(value + way for value in middle) for way in (-0.01, 0.01))
+    limits = PARAMS.limits._replace(config=CONFIG._replace(joint_low_q=lows, joint_high_q=highs))
     stands = running(watch=watched(49, encoder_counts=counts))
     memory = step(stands, sample(50, 5, encoder_counts=counts), params=PARAMS._replace(limits=limits))
     assert (memory.cause, memory.recover_signs) == (TripCause.JOINT_LIMIT, tuple(sign * (i == link) for i in range(3)))

@@ -39,10 +39,10 @@ FINE = Observed(
         energy_j=0.0,
     ),
     MotionObservation(
-        q_rad=(0.0, 0.0, 0.2),
+        q=(0.0, 0.0, 0.2),
         tip_m=(0.6, 0.0, 0.1),
         counts=(4031, 971, 207),
-        moved_rad=(0.0, 0.0, 0.0, 0.0),
+        moved_q=(0.0, 0.0, 0.0, 0.0),
         dt_s=0.0045,
         speed=(0.0, 0.0, 0.0),
         tip_speed_m_per_s=0.0,

@@ -32,12 +32,12 @@ def reference(experiment: Experiment) -> tuple[Trace, np.ndarray]:
 def seen(trace: Trace, wanted: np.ndarray, position: np.ndarray, kp: float) -> Trace:
     """What the rig reads of a link under P control: whole counts, and the current that they ask for."""
     counted = np.floor(position / COUNT + 0.5) * COUNT
-    columns = {"q_set_rad": wanted, "q_rad": counted, "current_a": kp * (wanted - counted)}
-    speeds = {"qd_set_rad_per_s": np.gradient(wanted, trace.t_s), "qd_rad_per_s": np.gradient(counted, trace.t_s)}
+    columns = {"q_set": wanted, "q": counted, "current_a": kp * (wanted - counted)}
+    speeds = {"qd_set": np.gradient(wanted, trace.t_s), "qd": np.gradient(counted, trace.t_s)}
     return trace._replace(**{name: np.outer(values, [0.0, 1.0, 0.0]) for name, values in {**columns, **speeds}.items()})
 
 
-def resonant(speed_rad_per_s_a: float, frequency_hz: float, damping: float):
+def resonant(speed_q_per_s_a: float, frequency_hz: float, damping: float):
     """A run of a link whose speed follows the current through one mode,  q = K w^2 / (s (s^2 + 2 d w s + w^2)) u.
 
     Under P control it is stable below K_P = 2 d w / K (Routh).
@@ -45,22 +45,22 @@ def resonant(speed_rad_per_s_a: float, frequency_hz: float, damping: float):
     w = 2.0 * np.pi * frequency_hz
 
     def run(experiment: Experiment, seed: int) -> Trace:
-        kp = experiment.controller.gains[LINK].kp_a_per_rad
+        kp = experiment.controller.gains[LINK].kp_a_per_q
         trace, wanted = reference(experiment)
-        loop = kp * speed_rad_per_s_a * w * w
+        loop = kp * speed_q_per_s_a * w * w
         with np.errstate(over="ignore", invalid="ignore"):
             _, position, _ = lsim(TransferFunction([loop], [1.0, 2.0 * damping * w, w * w, loop]), wanted, trace.t_s)
         position = np.clip(np.nan_to_num(position), -1.0, 1.0)
         return seen(trace, wanted, position, kp)
 
-    return run, 2.0 * damping * w / speed_rad_per_s_a
+    return run, 2.0 * damping * w / speed_q_per_s_a
 
 
 def stuck_until(positive_a: float, negative_a: float, jump_counts: int = 3):
     """A run of a link that stands until the current reaches its break-away, then jumps there and goes on standing."""
 
     def run(experiment: Experiment, seed: int) -> Trace:
-        kp = experiment.controller.gains[LINK].kp_a_per_rad
+        kp = experiment.controller.gains[LINK].kp_a_per_q
         trace, wanted = reference(experiment)
         position, here = np.zeros(len(wanted)), 0.0
         for row, asked in enumerate(wanted.tolist()):

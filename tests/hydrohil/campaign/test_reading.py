@@ -29,7 +29,7 @@ def test_the_stability_map_has_a_hundred_by_a_hundred_trials_and_both_laws_meet_
 
 
 @pytest.mark.parametrize(
-    "field", ["coulomb_nm", "breakaway_nm", "flow_gain_m3_per_s_sqrt_pa", "bulk_modulus_pa", "cross_leak_m3_per_s_pa"]
+    "field", ["coulomb_tau", "breakaway_tau", "flow_gain_m3_per_s_sqrt_pa", "bulk_modulus_pa", "cross_leak_m3_per_s_pa"]
 )
 def test_the_thousand_plants_lie_about_the_one_that_ships(field: str):
     from hydrohil.campaign.formula import evaluate

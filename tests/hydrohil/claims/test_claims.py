@@ -38,7 +38,7 @@ def test_one_sided_bands_look_at_their_own_limit_only(comparison, on, past):
 
 def test_two_counts_measured_as_a_difference_of_angles_are_two_counts():
     trace = standing(3.0)
-    trace = trace._replace(q_set_rad=trace.q_set_rad + 0.3, q_rad=trace.q_rad + (0.3 - 2.0 * COUNT_RAD[1]))
+    trace = trace._replace(q_set=trace.q_set + 0.3, q=trace.q + (0.3 - 2.0 * COUNT_RAD[1]))
     claim = CLAIM._replace(metric="steady_error_counts", channel="q2", unit="counts", comparison="below", high=2.0)
     assert judge(claim, trace).holds
     assert not judge(claim._replace(high=1.999), trace).holds
@@ -62,7 +62,7 @@ def test_a_trial_that_ended_within_the_window_does_not_hold():
 
 def test_the_measured_number_is_in_the_claims_unit():
     trace = standing(3.0)
-    trace = trace._replace(q_rad=link(np.full(len(trace.t_s), 0.5 * RAD_PER_DEG), 2), q_set_rad=trace.q_set_rad)
+    trace = trace._replace(q=link(np.full(len(trace.t_s), 0.5 * RAD_PER_DEG), 2), q_set=trace.q_set)
     claim = CLAIM._replace(metric="max_error", channel="q2")
     assert judge(claim._replace(unit="deg"), trace).measured == pytest.approx(0.5)
     assert judge(claim._replace(unit="rad"), trace).measured == pytest.approx(0.5 * RAD_PER_DEG)

@@ -20,7 +20,7 @@ def square(onset_s, half_s, counts=4.0, duration_s=40.0, silent=()):
     for start_s, end_s in silent:
         up &= ~((t_s >= start_s) & (t_s < end_s))
     down = np.where(t_s < 1.0, 0.0, 30.0)
-    return trace._replace(q_rad=link((down - counts * up) * COUNT, 2))
+    return trace._replace(q=link((down - counts * up) * COUNT, 2))
 
 
 def test_a_square_wave_has_its_onset_period_amplitude_and_number():
@@ -68,7 +68,7 @@ def test_a_pause_is_told_amid_the_cycles_and_at_their_end():
 
 def test_the_tip_turns_by_what_two_counts_are_at_one_metre():
     trace = square(10.0, 3.0, 2.0)
-    on_axis = trace._replace(x_m=link(-trace.q_rad[:, 1], 3))
+    on_axis = trace._replace(x_m=link(-trace.q[:, 1], 3))
     assert cycles.cycles(on_axis, "z") == 5.0
     assert cycles.cycle_amplitude(on_axis, "z") == pytest.approx(2.0 * COUNT)
 
@@ -82,11 +82,11 @@ def test_a_sine_turns_where_it_has_come_back_by_the_threshold():
 
 def test_a_set_point_that_flees_the_link_yields_and_one_that_draws_it_does_not():
     trace = square(5.0, 2.0)
-    centred = trace.q_rad[:, 1] - np.mean(trace.q_rad[:, 1])
+    centred = trace.q[:, 1] - np.mean(trace.q[:, 1])
     rate = np.sign(centred) * 4.5e-3
     for sign, share in ((-1.0, 1.0), (1.0, 0.0)):
-        seen = trace._replace(q_set_rad=link(sign * np.concatenate(([0.0], np.cumsum(rate[:-1]))), 2))
+        seen = trace._replace(q_set=link(sign * np.concatenate(([0.0], np.cumsum(rate[:-1]))), 2))
         assert cycles.yielding_share(seen, "q2") == pytest.approx(share)
     assert cycles.yielding_share(trace, "q2") == 0.0
-    rests = seen._replace(q_rad=np.full_like(seen.q_rad, 0.1))
+    rests = seen._replace(q=np.full_like(seen.q, 0.1))
     assert cycles.yielding_share(rests, "q2") == 0.0

@@ -17,9 +17,9 @@ def sine(duration_s, amplitude=1.0, hz=1.0, share=1.0, lag_rad=0.0):
     trace = standing(duration_s)
     phase = 2.0 * np.pi * hz * trace.t_s
     return trace._replace(
-        q_set_rad=link(amplitude * np.sin(phase), 2),
-        q_rad=link(amplitude * share * np.sin(phase - lag_rad), 2),
-        qd_set_rad_per_s=link(amplitude * 2.0 * np.pi * hz * np.cos(phase), 2),
+        q_set=link(amplitude * np.sin(phase), 2),
+        q=link(amplitude * share * np.sin(phase - lag_rad), 2),
+        qd_set=link(amplitude * 2.0 * np.pi * hz * np.cos(phase), 2),
     )
 
 
@@ -64,7 +64,7 @@ def test_steady_errors_are_relative_to_set_point_and_to_count_width():
     assert metrics.steady_error(force(np.full(100, 106.0), 100.0), "force") == pytest.approx(0.06)
     assert math.isnan(metrics.steady_error(force(np.full(100, 94.0), 0.0), "force"))
     trace = standing(1.0)
-    assert metrics.steady_error_counts(trace._replace(q_rad=trace.q_rad + 2.0 * COUNT), "q2") == pytest.approx(2.0)
+    assert metrics.steady_error_counts(trace._replace(q=trace.q + 2.0 * COUNT), "q2") == pytest.approx(2.0)
 
 
 @pytest.mark.parametrize("direction", [1.0, -1.0])
@@ -72,9 +72,9 @@ def test_overshoot_counts_in_the_direction_of_the_move(direction):
     trace = standing(2.0)
     wanted = np.where(trace.t_s < 1.0, 0.0, 1.0)
     seen = wanted * (1.0 + 0.25 * np.exp(-np.maximum(trace.t_s - 1.0, 0.0)))
-    trace = trace._replace(q_set_rad=link(direction * wanted, 2), q_rad=link(direction * seen, 2))
+    trace = trace._replace(q_set=link(direction * wanted, 2), q=link(direction * seen, 2))
     assert metrics.overshoot(trace, "q2") == pytest.approx(0.25, rel=1e-2)
-    short = trace._replace(q_rad=trace.q_rad * 0.7)
+    short = trace._replace(q=trace.q * 0.7)
     assert metrics.overshoot(short, "q2") == pytest.approx(1.25 * 0.7 - 1.0, rel=1e-1)
     assert math.isnan(metrics.overshoot(standing(1.0), "q2"))
 
@@ -85,7 +85,7 @@ def ramps(delay_s, second_delay_s):
     up, down = np.clip(trace.t_s - 1.0, 0.0, 2.0), np.clip(trace.t_s - 4.0, 0.0, 2.0)
     late_up = np.where(trace.t_s > 1.0 + delay_s, up, 0.0)
     late_down = np.where(trace.t_s > 4.0 + second_delay_s, down, 0.0)
-    return trace._replace(q_set_rad=link(up - down, 2), q_rad=link(late_up - late_down, 2))
+    return trace._replace(q_set=link(up - down, 2), q=link(late_up - late_down, 2))
 
 
 def test_delays_run_from_the_start_of_each_move():
@@ -97,7 +97,7 @@ def test_delays_run_from_the_start_of_each_move():
 
 def test_a_link_that_never_moves_is_late_until_the_end():
     trace = ramps(0.5, 1.2)
-    stuck = trace._replace(q_rad=np.zeros_like(trace.q_rad))
+    stuck = trace._replace(q=np.zeros_like(trace.q))
     assert metrics.first_delay_s(stuck, "q2") == pytest.approx(3.0, abs=0.01)
     assert math.isnan(metrics.first_motion_s(stuck, "q2"))
     assert math.isnan(metrics.first_delay_s(standing(1.0), "q2"))
@@ -107,13 +107,13 @@ def test_one_count_is_no_motion_and_two_are():
     trace = standing(1.0)
     wanted = link(trace.t_s, 2)
     for counts, moved in ((1.0, False), (2.0, True)):
-        seen = trace._replace(q_set_rad=wanted, q_rad=link(np.where(trace.t_s > 0.5, counts * COUNT, 0.0), 2))
+        seen = trace._replace(q_set=wanted, q=link(np.where(trace.t_s > 0.5, counts * COUNT, 0.0), 2))
         assert (metrics.first_delay_s(seen, "q2") < 0.6) is moved
 
 
 def test_error_signals_of_a_stuck_link_are_those_of_the_ramp():
     trace = standing(2.0)
-    trace = trace._replace(q_set_rad=link(0.25 * trace.t_s, 2), qd_set_rad_per_s=link(np.full(len(trace.t_s), 0.25), 2))
+    trace = trace._replace(q_set=link(0.25 * trace.t_s, 2), qd_set=link(np.full(len(trace.t_s), 0.25), 2))
     assert metrics.error_rate_to_error(trace, "q2") == pytest.approx(0.25 / 0.5, rel=1e-2)
     assert metrics.error_integral_to_error(trace, "q2") == pytest.approx(0.5 / 0.5, rel=1e-2)
 
@@ -213,7 +213,7 @@ def test_a_control_that_jumps_by_a_step_at_every_sample_is_as_noisy_as_the_step(
 @pytest.mark.parametrize("braking_share", [0.5, 1.0, 2.0])
 def test_a_scalloped_control_is_weaker_while_the_set_point_brakes(braking_share):
     trace = sine(9.0)
-    speed = trace.qd_set_rad_per_s[:, 1]
+    speed = trace.qd_set[:, 1]
     braking = speed * np.gradient(speed, trace.t_s) < 0.0
     current = link(speed * np.where(braking, braking_share, 1.0), 2)
     assert metrics.braking_control_ratio(trace._replace(current_a=current), "q2") == pytest.approx(braking_share, rel=1e-2)
@@ -240,9 +240,9 @@ def test_the_cycle_ratio_is_a_mean_over_full_cycles_of_a_falling_sine():
     trace = standing(20.0)
     falling = (1.0 - trace.t_s / 25.0) * np.sin(2.0 * np.pi * trace.t_s)
     late = (1.0 - trace.t_s / 25.0) * np.sin(2.0 * np.pi * (trace.t_s - 0.06))
-    trace = trace._replace(q_set_rad=link(falling, 2), q_rad=link(0.8 * late, 2))
+    trace = trace._replace(q_set=link(falling, 2), q=link(0.8 * late, 2))
     assert metrics.cycle_ratio(trace, "q2") == pytest.approx(0.8, rel=1e-2)
-    first_alone = trace._replace(q_rad=trace.q_rad * (trace.t_s < 1.25)[:, None])
+    first_alone = trace._replace(q=trace.q * (trace.t_s < 1.25)[:, None])
     assert metrics.cycle_ratio(first_alone, "q2") < 0.1
     assert metrics.peak_to_peak_ratio(first_alone, "q2") > 0.7
 

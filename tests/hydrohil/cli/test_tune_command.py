@@ -12,7 +12,7 @@ from hydrohil.experiment.experiment import from_toml
 from hydrohil.shared.units import A_PER_RAD_PER_MA_PER_DEG
 from hydrohil.thesis.library import find
 
-STUCK = ("--set", "plant.machine.down_up.breakaway_nm=9000.0")  # twice what the actuator can
+STUCK = ("--set", "plant.machine.down_up.breakaway_tau=9000.0")  # twice what the actuator can
 
 
 def hydrohil(*arguments: str) -> Result:
@@ -54,12 +54,12 @@ def test_all_six_steps_leave_evidence_and_a_decision(tuned):
 
 def test_the_tuned_gains_track_the_fastest_ramp_no_worse_than_table_2(tuned):
     worth = {one["pattern"]: one for one in tuned[1]["links"][0]["worth"]}
-    assert worth["large-ramp"]["tuned_rad"] <= worth["large-ramp"]["before_rad"]
+    assert worth["large-ramp"]["tuned_q"] <= worth["large-ramp"]["before_q"]
 
 
 def test_the_written_experiment_has_the_tuned_gains_and_runs(tuned):
     mine, given = from_toml(tuned[2]), find("fig-4-25")
-    kp = mine.controller.gains[1].kp_a_per_rad / A_PER_RAD_PER_MA_PER_DEG
+    kp = mine.controller.gains[1].kp_a_per_q / A_PER_RAD_PER_MA_PER_DEG
     assert kp == pytest.approx(compared(tuned)["K_P"]["tuned"])
     assert mine.controller.gains[0] == given.controller.gains[0] and mine.plant == given.plant
     ran = hydrohil("run", str(tuned[2]), "--clock", "local")
@@ -81,8 +81,8 @@ def test_a_plant_that_cannot_be_tuned_ends_with_1_and_names_the_step(tmp_path: P
     [
         (("--link", "4"), ("'4'", "1, 2, 3 or all")),
         (("fig-4-26",), ("fig-4-26", "fig-4-25")),
-        (("--set", "plant.machine.down_up.breakaway=1.0"), ("breakaway", "breakaway_nm")),
-        (("--link", "2", "--set", "controller.gains.down_up.qd_max_rad_per_s=2.0"), ("leaves the travel", "down/up")),
+        (("--set", "plant.machine.down_up.breakaway=1.0"), ("breakaway", "breakaway_tau")),
+        (("--link", "2", "--set", "controller.gains.down_up.qd_max_q_per_s=2.0"), ("leaves the travel", "down/up")),
     ],
 )
 def test_wrong_usage_ends_with_2_and_says_what_is_expected(arguments: tuple[str, ...], words: tuple[str, ...]):

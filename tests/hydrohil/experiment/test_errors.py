@@ -7,12 +7,12 @@ from hydrohil.experiment.experiment import Experiment
 @pytest.mark.parametrize(
     ("field", "unit"),
     [
-        ("kp_a_per_rad", "A/rad"),
-        ("ki_a_per_rad_s", "A/(rad s)"),
+        ("kp_a_per_q", "A/q"),
+        ("ki_a_per_q_s", "A/(q s)"),
         ("stiffness_n_per_m", "N/m"),
-        ("viscous_nms_per_rad", "N m s/rad"),
+        ("viscous_tau_s_per_q", "tau s/q"),
         ("inertia_rotate_kg_m2", "kg m2"),
-        ("initial_q_rad", "rad"),
+        ("initial_q", "q"),
         ("jitter_substeps", "sub-steps"),
         ("damping_ratio", ""),
         ("law", ""),
@@ -24,7 +24,7 @@ def test_the_unit_is_read_from_the_suffix(field, unit):
 
 
 def test_names_are_found_through_lists_and_tables():
-    assert "kp_a_per_rad" in names_at(Experiment, ("controller", "gains", 1))
+    assert "kp_a_per_q" in names_at(Experiment, ("controller", "gains", 1))
     assert "stiffness_n_per_m" in names_at(Experiment, ("plant", "environment"))
     assert "amount" in names_at(Experiment, ("reference", 4))
     assert names_at(Experiment, ("duration_s",)) == ()

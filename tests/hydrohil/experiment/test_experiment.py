@@ -120,16 +120,16 @@ def test_a_wrong_type_is_refused_not_converted():
 
 def test_an_unknown_field_is_refused_with_the_nearest_names():
     (line,) = refused(controller__gains__1__kp_a_per_deg=215)
-    assert line.startswith("trial.toml: controller.gains.1.kp_a_per_deg is no field: remove it or use one of kp_a_per_rad")
+    assert line.startswith("trial.toml: controller.gains.1.kp_a_per_deg is no field: remove it or use one of kp_a_per_q")
     (line,) = refused(durations_s=5.0)
     assert line == "trial.toml: durations_s is no field: remove it or use one of duration_s"
 
 
 def test_a_value_out_of_bounds_is_named_with_its_unit():
-    (line,) = refused(controller__gains__1__kp_a_per_rad=-3.0)
-    assert "controller.gains.1.kp_a_per_rad is -3.0 A/rad: expected greater than or equal to 0; correct the value" in line
-    (line,) = refused(plant__initial_q_rad=[0.0, 0.0, 1.05])
-    assert line == "trial.toml: plant.initial_q_rad.2 is 1.05 m: expected less than or equal to 1.04; correct the value"
+    (line,) = refused(controller__gains__1__kp_a_per_q=-3.0)
+    assert "controller.gains.1.kp_a_per_q is -3.0 A/rad: expected greater than or equal to 0; correct the value" in line
+    (line,) = refused(plant__initial_q=[0.0, 0.0, 1.05])
+    assert line == "trial.toml: plant.initial_q.2 is 1.05 m: expected less than or equal to 1.04; correct the value"
 
 
 @pytest.mark.parametrize("value", [float("nan"), float("inf"), -float("inf")])

@@ -13,8 +13,8 @@ def test_a_field_is_replaced_and_the_rest_stays():
 
 @pytest.mark.parametrize("link", ["1", "down_up"])
 def test_an_element_is_named_by_index_or_link(link):
-    changed = with_overrides(EXPERIMENT, [f"controller.gains.{link}.kp_a_per_rad=9"])
-    assert [gains.kp_a_per_rad == 9.0 for gains in changed.controller.gains] == [False, True, False]
+    changed = with_overrides(EXPERIMENT, [f"controller.gains.{link}.kp_a_per_q=9"])
+    assert [gains.kp_a_per_q == 9.0 for gains in changed.controller.gains] == [False, True, False]
 
 
 def test_the_last_assignment_wins():
@@ -22,16 +22,16 @@ def test_the_last_assignment_wins():
 
 
 def test_values_may_be_lists_and_quoted_text():
-    changed = with_overrides(EXPERIMENT, ["plant.initial_q_rad=[0.0, 0.1, 0.3]", 'title="A = B"', "source=see = there"])
-    assert changed.plant.initial_q_rad == (0.0, 0.1, 0.3)
+    changed = with_overrides(EXPERIMENT, ["plant.initial_q=[0.0, 0.1, 0.3]", 'title="A = B"', "source=see = there"])
+    assert changed.plant.initial_q == (0.0, 0.1, 0.3)
     assert (changed.title, changed.source) == ("A = B", "see = there")
 
 
 def test_an_element_of_any_list_can_be_reached():
-    changed = with_overrides(EXPERIMENT, ["reference.0.amount=0.05", "claims.1.high=0.2", "plant.initial_q_rad.out_in=0.3"])
+    changed = with_overrides(EXPERIMENT, ["reference.0.amount=0.05", "claims.1.high=0.2", "plant.initial_q.out_in=0.3"])
     assert changed.reference[0].amount == 0.05
     assert changed.claims[1].high == 0.2
-    assert changed.plant.initial_q_rad[2] == 0.3
+    assert changed.plant.initial_q[2] == 0.3
 
 
 @pytest.mark.parametrize(
@@ -39,7 +39,7 @@ def test_an_element_of_any_list_can_be_reached():
     [
         ("controller.lav=pi", "--set controller.lav: lav is no field of controller; use one of law"),
         ("duration=5", "--set duration: duration is no field of an experiment; use one of duration_s"),
-        ("controller.gains.3.kp_a_per_rad=1", "3 is no field of controller.gains; use one of 0, 1, 2, down_up, out_in, rotate"),
+        ("controller.gains.3.kp_a_per_q=1", "3 is no field of controller.gains; use one of 0, 1, 2, down_up, out_in, rotate"),
         ("reference.rotate.amount=1", "rotate is no field of reference; use one of 0, 1"),
         ("duration_s.x=1", "duration_s is a value without fields; end the path there"),
         ("controller.law", "expected path=value"),

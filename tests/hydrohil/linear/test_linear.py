@@ -140,12 +140,12 @@ def steady_speed(current_a):
     spool_a = current_a + LINK.null_bias_a
 
     def excess(speed):
-        load = (LINK.coulomb_nm + LINK.viscous_nms_per_rad * speed) / LINK.displacement_m3_per_rad
+        load = (LINK.coulomb_tau + LINK.viscous_tau_s_per_q * speed) / LINK.displacement_m3_per_q
         flow = LINK.flow_gain_m3_per_s_sqrt_pa * port_area(LINK, spool_a) * math.sqrt((7e6 - load) / 2.0)
-        return flow - (LINK.cross_leak_m3_per_s_pa + LINK.null_leak_m3_per_s_pa) * load - LINK.displacement_m3_per_rad * speed
+        return flow - (LINK.cross_leak_m3_per_s_pa + LINK.null_leak_m3_per_s_pa) * load - LINK.displacement_m3_per_q * speed
 
     speed = brentq(excess, 0.0, 1.0)
-    return speed, (LINK.coulomb_nm + LINK.viscous_nms_per_rad * speed) / LINK.displacement_m3_per_rad
+    return speed, (LINK.coulomb_tau + LINK.viscous_tau_s_per_q * speed) / LINK.displacement_m3_per_q
 
 
 @pytest.mark.parametrize("frequency_hz", [0.7, 3.0, 8.0])
@@ -160,8 +160,8 @@ def test_a_small_sine_of_current_shakes_the_running_link_as_the_linear_actuator_
     for step in range(round((settle_s + period_s) / step_s)):
         t = step * step_s
         state = link_step(state, LINK, UNIMATE, current_a + shake_a * math.sin(angular * t), 0.0, inertia, step_s)
-        state = state._replace(q_rad=0.0)  # so that the volumes do not change
-        rows.append((t + step_s, state.qd_rad_per_s))
+        state = state._replace(q=0.0)  # so that the volumes do not change
+        rows.append((t + step_s, state.qd))
     t, v = np.array(rows).T
     last = t > settle_s
     waves = np.column_stack((np.sin(angular * t[last]), np.cos(angular * t[last]), np.ones(last.sum())))
@@ -169,7 +169,7 @@ def test_a_small_sine_of_current_shakes_the_running_link_as_the_linear_actuator_
     a = actuator(UNIMATE, LINK, 0.0, 1.0, OperatingPoint(current_a + LINK.null_bias_a, load_pa))
     s = 1j * angular
     force = a.flow_m3_per_s_a * a.area_m2 / (a.half_compressibility_m3_per_pa * s + a.leak_m3_per_s_pa)
-    robot = 1.0 / (inertia * s + LINK.viscous_nms_per_rad)  # s R_X
+    robot = 1.0 / (inertia * s + LINK.viscous_tau_s_per_q)  # s R_X
     want = robot * force / (1.0 + robot * force * a.area_m2 / a.flow_m3_per_s_a) / (LINK.valve_lag_s * s + 1.0) * shake_a
     assert mean == pytest.approx(speed, rel=0.01)
     assert complex(along, across) == pytest.approx(want, abs=0.02 * abs(want))

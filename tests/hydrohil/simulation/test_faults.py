@@ -63,9 +63,9 @@ def true_readings(outcome):
     """What sound sensors would have given at every sample: encoder counters (n, 3) and counts of the gauge (n,)."""
     rows, count = outcome.rows, len(outcome.rows.tick)
     noise_n = force_noise_n(SEED, outcome.first_tick, count, UNIMATE.force_noise_sigma_n, UNIMATE.force_noise_clip_n)
-    q = [encoder_counts(tuple(map(float, q_rad)), UNIMATE.q4_rad)[:3] for q_rad in rows.true_q_rad]
+    counts = [encoder_counts(tuple(map(float, q)), UNIMATE.q4_rad)[:3] for q in rows.true_q]
     force = [gauge_counts(UNIMATE, float(f), float(n)) for f, n in zip(rows.contact_force_n, noise_n, strict=True)]
-    return np.array(q), np.array(force)
+    return np.array(counts), np.array(force)
 
 
 @pytest.mark.parametrize("fault", SENSORS, ids=named)
@@ -140,7 +140,7 @@ def test_a_force_noise_of_zero_leaves_a_reading_without_noise():
 
 def test_a_fault_without_an_end_stays_to_the_trials_end():
     rows = play_local(broken(Fault("offset", "encoder_rotate", AT_S, 0.0, 3.0)), SEED).rows
-    off = rows.encoder_counts[:, 0] - [encoder_counts(tuple(map(float, q)), UNIMATE.q4_rad)[0] for q in rows.true_q_rad]
+    off = rows.encoder_counts[:, 0] - [encoder_counts(tuple(map(float, q)), UNIMATE.q4_rad)[0] for q in rows.true_q]
     assert (off == np.where(rows.tick >= FIRST, 3, 0)).all()
     assert rows.tick[-1] == 443
 

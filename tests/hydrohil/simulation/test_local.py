@@ -20,7 +20,7 @@ from hydrohil.simulation.rollout import SEGMENT_COLUMNS, play_local, rollout, se
 SURFACE_M = UNIMATE.a2_m - UNIMATE.a4_m + 0.002  # the plate presses on the tool from the start
 PLANT = PlantConfig(
     environment=Environment("plate", stiffness_n_per_m=7208.0, surface_m=SURFACE_M),
-    initial_q_rad=(0.0, 0.0, 0.212),
+    initial_q=(0.0, 0.0, 0.212),
     jitter_substeps=10,
     bias_s=0.3,
 )
@@ -63,7 +63,7 @@ def test_the_tool_presses_and_the_trial_runs_to_its_declared_end(pressed):
 def test_the_valves_are_shut_while_the_bias_is_taken(pressed):
     bias = slice(0, -pressed.first_tick)
     assert (pressed.rows.dac_counts[bias] == 2048).all()
-    assert (pressed.rows.true_q_rad[bias] == pressed.rows.true_q_rad[0]).all()
+    assert (pressed.rows.true_q[bias] == pressed.rows.true_q[0]).all()
     force_n = pressed.rows.force_counts[bias] * N_PER_FORCE_COUNT
     assert pressed.supervisor.watch.bias.mean_n == pytest.approx(force_n.mean())
     assert pressed.supervisor.watch.bias.spread_n == pytest.approx(force_n.std(), rel=1e-6)
@@ -146,7 +146,7 @@ def test_the_emulator_given_the_same_codes_is_the_rollouts_machine(pressed):
         reading, seen = emulator.read(), emulator.ground_truth()
         assert reading.encoder_counts == tuple(pressed.rows.encoder_counts[i])
         assert reading.force_counts == pressed.rows.force_counts[i]
-        assert seen.q_rad == tuple(pressed.rows.true_q_rad[i])
+        assert seen.q == tuple(pressed.rows.true_q[i])
         assert seen.pressure_a_pa == tuple(pressed.rows.pressure_a_pa[i])
         timeline.substep = start + made.latch_substeps
         running = timeline.tick >= 0

@@ -45,5 +45,5 @@ def test_one_trial_a_seed_is_played_until_one_trips():
 def test_gains_are_printed_in_the_units_of_table_2():
     assert (unit(0), unit(1), unit(2)) == ("deg", "deg", "m")
     assert (rad_per_unit(1), rad_per_unit(2)) == (RAD_PER_DEG, 1.0)
-    assert GAINS.kp_a_per_rad / a_per_printed(1) == pytest.approx(215.0)
+    assert GAINS.kp_a_per_q / a_per_printed(1) == pytest.approx(215.0)
     assert a_per_printed(2) == A_PER_MA

@@ -18,12 +18,12 @@ SPEED = 1.0  # rad/s a A
 def test_the_stability_limit_of_a_resonant_link_is_found_within_15_percent(frequency_hz, damping):
     run, limit = resonant(SPEED, frequency_hz, damping)
     step = proportional(bench(run), GAINS)
-    assert step.gains.kp_a_per_rad * Criteria().margin == pytest.approx(limit, rel=0.15)
+    assert step.gains.kp_a_per_q * Criteria().margin == pytest.approx(limit, rel=0.15)
 
 
 def test_twice_the_flow_gain_halves_the_gain():
     slow, fast = (proportional(bench(resonant(speed, 10.0, 0.2)[0]), GAINS).gains for speed in (1.0, 2.0))
-    assert slow.kp_a_per_rad / fast.kp_a_per_rad == pytest.approx(2.0, rel=0.1)
+    assert slow.kp_a_per_q / fast.kp_a_per_q == pytest.approx(2.0, rel=0.1)
 
 
 def test_a_link_that_never_moves_has_no_maximum_gain_and_the_step_says_so():
@@ -51,18 +51,18 @@ def found(share):
 def test_a_link_that_is_too_slow_for_the_ramp_is_refused_with_what_to_do():
     assert proportional_step(bench(None), GAINS, found(0.91)).gains is not None
     slow = proportional_step(bench(None), GAINS, found(0.89))
-    assert slow.gains is None and "qd_max_rad_per_s" in slow.decision
+    assert slow.gains is None and "qd_max_q_per_s" in slow.decision
 
 
 def test_the_gain_taken_lies_the_margin_below_the_largest_stable():
     taken = proportional_step(bench(None)._replace(criteria=Criteria(margin=2.0)), GAINS, found(1.0)).gains
-    assert taken.kp_a_per_rad == 0.5
-    assert taken == GAINS._replace(kp_a_per_rad=0.5)
+    assert taken.kp_a_per_q == 0.5
+    assert taken == GAINS._replace(kp_a_per_q=0.5)
 
 
 def test_step_2_takes_the_largest_that_passed_and_changes_nothing_else():
     tried = tuple(Tried(value, value < 3.0, (0.1, 0.3, 0.3, 0.0, 0.01)) for value in (1.0, 2.0, 4.0))
     step = integral_step(bench(None), GAINS, Found(tried, True))
-    assert step.gains == GAINS._replace(linear_ki_a_per_rad_s=2.0)
+    assert step.gains == GAINS._replace(linear_ki_a_per_q_s=2.0)
     assert [row[-1] for row in step.rows] == ["yes", "yes", "no"]
     assert integral_step(bench(None), GAINS, Found(tried[2:], True)).gains is None

@@ -24,7 +24,7 @@ def following(wanted, error_rad):
         share = np.clip((trace.t_s - segment.start_s) / max(segment.duration_s, 1e-9), 0.0, 1.0)
         way += segment.amount * share
     error = error_rad(trace.t_s)
-    return trace._replace(q_set_rad=link(way, 2), q_rad=link(way - error, 2), current_a=link(100.0 * error, 2))
+    return trace._replace(q_set=link(way, 2), q=link(way - error, 2), current_a=link(100.0 * error, 2))
 
 
 def ringing(growth_per_s, amplitude_counts=3.0):
@@ -61,7 +61,7 @@ def test_the_ringing_that_counts_is_that_of_the_worse_way():
 
 def test_a_link_at_half_speed_has_half_the_set_speed():
     half = following(RAMP, lambda t: np.zeros(len(t)))
-    half = half._replace(q_rad=0.5 * half.q_set_rad)
+    half = half._replace(q=0.5 * half.q_set)
     assert measure.cruise_share(half, LINK, RAMP) == pytest.approx(0.5, rel=1e-6)
 
 
@@ -91,7 +91,7 @@ def test_overshoot_is_the_worse_of_both_ways(half):
 def test_breakaway_is_the_largest_current_before_the_second_count():
     wanted = slow_ramp(LINK, 0.0, 0.01, 10.0)
     trace = following(wanted, lambda t: 0.01 * t)  # stands
-    moved = trace._replace(q_rad=link(np.where(trace.t_s > 6.0, 2.0 * COUNT, 0.0), 2))
+    moved = trace._replace(q=link(np.where(trace.t_s > 6.0, 2.0 * COUNT, 0.0), 2))
     assert measure.breakaway_a(moved, LINK) == pytest.approx(100.0 * 0.01 * 6.0, rel=1e-2)
 
 
@@ -99,7 +99,7 @@ def test_one_count_is_no_motion_and_a_link_that_stands_has_no_breakaway():
     wanted = slow_ramp(LINK, 0.0, 0.01, 10.0)
     trace = following(wanted, lambda t: 0.01 * t)
     assert math.isnan(measure.breakaway_a(trace, LINK))
-    flicker = trace._replace(q_rad=link(np.where(trace.t_s > 6.0, COUNT, 0.0), 2))
+    flicker = trace._replace(q=link(np.where(trace.t_s > 6.0, COUNT, 0.0), 2))
     assert math.isnan(measure.breakaway_a(flicker, LINK))
 
 

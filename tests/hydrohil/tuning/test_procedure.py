@@ -58,7 +58,7 @@ def test_every_seed_is_played_and_one_that_trips_is_seen():
 
 def largest_gain(*settings):
     made = bench(rollout)._replace(experiment=with_overrides(EXPERIMENT, settings))
-    return proportional(made, GAINS).gains.kp_a_per_rad
+    return proportional(made, GAINS).gains.kp_a_per_q
 
 
 def test_the_proportional_gain_follows_stiffness_and_flow_of_the_plant():
@@ -70,7 +70,7 @@ def test_the_proportional_gain_follows_stiffness_and_flow_of_the_plant():
 
 def test_patterns_that_leave_the_travel_are_refused_before_any_trial():
     wide = EXPERIMENT._replace(
-        controller=EXPERIMENT.controller._replace(gains=(GAINS, GAINS._replace(qd_max_rad_per_s=2.0), GAINS))
+        controller=EXPERIMENT.controller._replace(gains=(GAINS, GAINS._replace(qd_max_q_per_s=2.0), GAINS))
     )
     with pytest.raises(ValueError, match="leaves the travel"):
         tune_link(bench(None)._replace(experiment=wide))

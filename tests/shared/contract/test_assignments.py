@@ -37,10 +37,10 @@ def test_what_is_written_is_read_as_the_same_value(value):
 
 def test_a_value_is_put_where_the_path_leads_and_nowhere_else():
     plain = {"controller": plain_of(CONFIG)}
-    put(plain, "controller.gains.down_up.kp_a_per_rad", 3.0)
-    put(plain, "controller.gains.2.kp_a_per_rad", 4.0)
+    put(plain, "controller.gains.down_up.kp_a_per_q", 3.0)
+    put(plain, "controller.gains.2.kp_a_per_q", 4.0)
     kept = plain_of(CONFIG)
-    kept["gains"][1]["kp_a_per_rad"], kept["gains"][2]["kp_a_per_rad"] = 3.0, 4.0
+    kept["gains"][1]["kp_a_per_q"], kept["gains"][2]["kp_a_per_q"] = 3.0, 4.0
     assert plain == {"controller": kept}
 
 

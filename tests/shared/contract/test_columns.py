@@ -52,7 +52,7 @@ def test_the_valve_figure_shows_the_current_that_the_codes_drive():
 
 
 def test_the_error_is_set_point_minus_measured_in_degrees():
-    state = first(ControllerState).body._replace(q_set_rad=(0.2, 0.1, 0.5), q_rad=(0.1, 0.1, 0.4))
+    state = first(ControllerState).body._replace(q_set=(0.2, 0.1, 0.5), q=(0.1, 0.1, 0.4))
     figure = next(f for f in figures(ControllerState) if f.entity == "figure/error/angle")
     values = figure_values(figure, column_names(state, ANY), flat_rows([state], [0]))
     np.testing.assert_allclose(values, [[math.degrees(0.1), 0.0]], atol=1e-12)

@@ -106,7 +106,7 @@ def test_the_signals_are_those_that_were_sent_at_the_full_rate():
     sent = [m for m in tripping(SUPERVISOR) if m.topic == "controller/state"]
     table = document["signals"]["controller/state"]
     assert table["force_n"] == [m.body.force_n for m in sent]
-    assert table["q_rad[1]"] == [m.body.q_rad[1] for m in sent]
+    assert table["q[1]"] == [m.body.q[1] for m in sent]
     assert table["arrival_ns"] == [m.arrival_ns for m in sent]
     assert json.loads(json.dumps(document, allow_nan=False)) == document
 
