@@ -31,15 +31,9 @@ def test_the_experiments_own_claims_are_judged_where_it_is_asked():
 
 def test_a_trial_that_trips_says_why_and_leaves_what_it_did_not_reach_undetermined():
     one = plan(set={**plan().campaign.set, "supervisor.force_limit_n": 1.0})
-<<<<<<< HEAD
-    made = row(one, trial_of(one.campaign, 8))
-    assert (made["ended"], made["cause"], made["peak_n"]) == ("tripped", "force_tared", None)
-    assert "against its limit of 1.0 N" in made["told"] and made["end_s"] < LASTS_S
-=======
     found = row(one, trial_of(one.campaign, 8))
     assert (found["ended"], found["cause"], found["peak_n"]) == ("tripped", "force_tared", None)
     assert "against its limit of 1.0 N" in found["message"] and found["end_s"] < LASTS_S
->>>>>>> d62c036 (campaign: run_campaign is one call of the library that reports its progress; the command shows it)
 
 
 def test_a_trial_that_is_refused_between_the_corners_is_a_row_that_says_so():
