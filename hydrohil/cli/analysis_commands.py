@@ -7,14 +7,14 @@ from typing import Annotated, Any
 import typer
 
 from hydrohil.cli.experiment_commands import experiment_of
-from hydrohil.cli.options import AsJson, Settings, app, console, fail, make_folders
+from hydrohil.cli.options import STUDIES, AsJson, Settings, app, console, fail, make_folders
 from hydrohil.shared.exit_status import EXIT_USAGE
 from hydrohil.shared.units import A_PER_MA
 
 _SHOWN = (0.01, 30.0)  # Hz, of the Bode plots
 
 
-@app.command()
+@app.command(rich_help_panel=STUDIES)
 def linear(
     name: Annotated[str, typer.Argument(help="Name, alias, or a TOML file of an impedance experiment.")],
     settings: Settings = None,

@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING, Annotated, Any
 
 import typer
 
-from hydrohil.cli.options import app, console, fail, make_folders, writing
+from hydrohil.cli.options import STUDIES, app, console, fail, make_folders, writing
 from hydrohil.shared.exit_status import EXIT_TRANSPORT, EXIT_USAGE
 
 if TYPE_CHECKING:
@@ -20,7 +20,7 @@ _RUNS = Path("runs/campaigns")
 _INTERRUPTED = 130
 
 
-@app.command()
+@app.command(rich_help_panel=STUDIES)
 def campaign(
     which: Annotated[str | None, typer.Argument(metavar="[NAME]", help="A campaign that ships, or a TOML file.")] = None,
     listed: Annotated[bool, typer.Option("--list", help="List the campaigns that ship.")] = False,

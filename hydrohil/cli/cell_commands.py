@@ -6,11 +6,23 @@ from typing import TYPE_CHECKING, Annotated, Any
 
 import typer
 
-from hydrohil.cli.options import AsJson, CellName, Hosts, Port, Router, app, console, fail, place_of, service_options
+from hydrohil.cli.options import (
+    RUNNING_CELL,
+    AsJson,
+    CellName,
+    Hosts,
+    Port,
+    Router,
+    app,
+    console,
+    fail,
+    place_of,
+    service_options,
+)
 from hydrohil.shared.contract.messages import GateState
 from hydrohil.shared.contract.topics import SERVICES
 from hydrohil.shared.exit_status import EXIT_TRANSPORT, EXIT_TRIPPED, EXIT_USAGE
-from hydrohil.shared.transport.bus import DEFAULT_PORT
+from hydrohil.shared.transport.endpoints import DEFAULT_PORT
 
 if TYPE_CHECKING:
     from hydrohil.cell.processes import Place
@@ -18,7 +30,7 @@ if TYPE_CHECKING:
 _SAMPLES_S = 0.05  # the supervisor judges an emergency stop by what the next samples say of the gate
 
 
-@app.command()
+@app.command(rich_help_panel=RUNNING_CELL)
 def up(
     cell: CellName = "cell",
     port: Port = DEFAULT_PORT,
@@ -64,7 +76,7 @@ def _here(place: "Place") -> list[str]:
     return [service for service in SERVICES if service not in away]
 
 
-@app.command()
+@app.command(rich_help_panel=RUNNING_CELL)
 def down(cell: CellName = "cell", port: Port = DEFAULT_PORT, hosts: Hosts = "", router: Router = "") -> None:
     """Stop what `up` started on this machine; the valves go to zero first."""
     from hydrohil.cell import processes as cells
@@ -78,7 +90,7 @@ def down(cell: CellName = "cell", port: Port = DEFAULT_PORT, hosts: Hosts = "", 
     console.print(f"cell {cell!r} is down")
 
 
-@app.command()
+@app.command(rich_help_panel=RUNNING_CELL)
 def status(
     cell: CellName = "cell", port: Port = DEFAULT_PORT, hosts: Hosts = "", router: Router = "", as_json: AsJson = False
 ) -> None:
@@ -106,7 +118,7 @@ def status(
         raise typer.Exit(EXIT_TRIPPED)
 
 
-@app.command()
+@app.command(rich_help_panel=RUNNING_CELL)
 def estop(cell: CellName = "cell", port: Port = DEFAULT_PORT, hosts: Hosts = "", router: Router = "") -> None:
     """Emergency stop at gate and supervisor; either alone suffices.
 
@@ -128,13 +140,13 @@ def estop(cell: CellName = "cell", port: Port = DEFAULT_PORT, hosts: Hosts = "",
     console.print(told, highlight=False, soft_wrap=True)
 
 
-@app.command()
+@app.command(rich_help_panel=RUNNING_CELL)
 def stop(cell: CellName = "cell", port: Port = DEFAULT_PORT, hosts: Hosts = "", router: Router = "") -> None:
     """End the trial and disarm."""
     _request(place_of(cell, port, hosts, router), "supervisor", "stop", "disarmed")
 
 
-@app.command()
+@app.command(rich_help_panel=RUNNING_CELL)
 def reset(cell: CellName = "cell", port: Port = DEFAULT_PORT, hosts: Hosts = "", router: Router = "") -> None:
     """Leave TRIPPED. Refused while the cause stands; never moves anything."""
     from hydrohil.cell import processes as cells
@@ -150,7 +162,7 @@ def reset(cell: CellName = "cell", port: Port = DEFAULT_PORT, hosts: Hosts = "",
     console.print("reset: disarmed")
 
 
-@app.command()
+@app.command(rich_help_panel=RUNNING_CELL)
 def recover(
     seconds: Annotated[float, typer.Option(min=0.1, max=30.0, help="Hold for this long; Ctrl-C releases.")] = 2.0,
     cell: CellName = "cell",

@@ -10,6 +10,7 @@ from typing import Annotated, Any
 import typer
 
 from hydrohil.cli.options import (
+    EXPERIMENTS,
     AsJson,
     CellName,
     Hosts,
@@ -27,12 +28,12 @@ from hydrohil.cli.options import (
     writing,
 )
 from hydrohil.shared.exit_status import EXIT_TRANSPORT, EXIT_TRIPPED, EXIT_USAGE
-from hydrohil.shared.transport.bus import DEFAULT_PORT
+from hydrohil.shared.transport.endpoints import DEFAULT_PORT
 
 _RUNS = Path("runs")
 
 
-@app.command("list")
+@app.command("list", rich_help_panel=EXPERIMENTS)
 def list_experiments(as_json: AsJson = False) -> None:
     """List the experiments that ship, and the figures that are computed."""
     from rich.table import Table
@@ -53,7 +54,7 @@ def list_experiments(as_json: AsJson = False) -> None:
     console.print(table)
 
 
-@app.command()
+@app.command(rich_help_panel=EXPERIMENTS)
 def show(
     name: Annotated[str, typer.Argument(help="Name, alias, or a TOML file.")],
     toml: Annotated[bool, typer.Option("--toml", help="Print the whole experiment, every default spelled out.")] = False,
@@ -78,7 +79,7 @@ def show(
         console.print(f"  {claim.statement}: {claim.metric} of {claim.channel} {band(claim)}  [{claim.source}]", markup=False)
 
 
-@app.command()
+@app.command(rich_help_panel=EXPERIMENTS)
 def run(
     name: Annotated[str, typer.Argument(help="Name, alias, or a TOML file.")],
     clock: Annotated[str, typer.Option(help="real, lockstep or local.")] = "real",
@@ -135,7 +136,7 @@ def run(
     raise typer.Exit(report.exit_status)
 
 
-@app.command()
+@app.command(rich_help_panel=EXPERIMENTS)
 def view(recording: Annotated[Path | None, typer.Argument(help="A .rrd file; default: the newest in runs/.")] = None) -> None:
     """Open a recording in the Rerun viewer, all files of a long one together."""
     from hydrohil.shared.contract.file_parts import parts_of

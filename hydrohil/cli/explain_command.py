@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING, Annotated
 
 import typer
 
-from hydrohil.cli.options import AsJson, app, console, errors, fail
+from hydrohil.cli.options import CONFIDENCE, AsJson, app, console, errors, fail
 from hydrohil.shared.exit_status import EXIT_USAGE
 
 if TYPE_CHECKING:
@@ -19,7 +19,7 @@ _HELP = """  arm start stop estop reset recover release   the operator's events;
   mode NAME        why NAME        show        names        quit"""
 
 
-@app.command()
+@app.command(rich_help_panel=CONFIDENCE)
 def explain(
     cause: Annotated[str | None, typer.Argument(help="Explain this cause of a trip or a cut in words.")] = None,
     mode: Annotated[str | None, typer.Option(help="Mode to begin in.")] = None,

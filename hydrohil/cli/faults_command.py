@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING, Annotated
 
 import typer
 
-from hydrohil.cli.options import CellName, Port, app, console, fail, make_folders, service_options, writing
+from hydrohil.cli.options import CONFIDENCE, CellName, Port, app, console, fail, make_folders, service_options, writing
 from hydrohil.cli.reproduce_command import write_whole
 from hydrohil.shared.exit_status import EXIT_USAGE
 
@@ -20,7 +20,7 @@ LOCKSTEP_PORTS = 12  # beyond those of the other cells that a battery may have
 FIRST_PORT = 7650  # beside a cell that is up: the battery has one of its own
 
 
-@app.command()
+@app.command(rich_help_panel=CONFIDENCE)
 def faults(
     rows: Annotated[list[str] | None, typer.Argument(help="Numbers of faults (1, 5b); default: all.")] = None,
     only: Annotated[list[str] | None, typer.Option("--only", metavar="NUMBER", help="The same: --only 1 5b 20.")] = None,

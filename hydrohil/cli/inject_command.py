@@ -6,10 +6,10 @@ from typing import TYPE_CHECKING, Annotated
 import typer
 
 from hydrohil.cli.cell_commands import await_links
-from hydrohil.cli.options import AsJson, CellName, Hosts, Port, Router, app, console, fail, place_of
+from hydrohil.cli.options import RUNNING_CELL, AsJson, CellName, Hosts, Port, Router, app, console, fail, place_of
 from hydrohil.shared.contract.faults import ROWS, Fault, value_missing
 from hydrohil.shared.exit_status import EXIT_TRANSPORT, EXIT_USAGE
-from hydrohil.shared.transport.bus import DEFAULT_PORT
+from hydrohil.shared.transport.endpoints import DEFAULT_PORT
 
 if TYPE_CHECKING:
     from hydrohil.cell.processes import Place
@@ -17,7 +17,7 @@ if TYPE_CHECKING:
 _USAGE = "expected KIND TARGET, such as `hydrohil inject stuck force --for 2`; `hydrohil inject --list` shows what there is"
 
 
-@app.command()
+@app.command(rich_help_panel=RUNNING_CELL)
 def inject(
     kind: Annotated[str | None, typer.Argument(help="What breaks: stuck, offset, leak, ...")] = None,
     target: Annotated[str | None, typer.Argument(help="Where: force, encoder_rotate, valve_out_in, supply, ...")] = None,

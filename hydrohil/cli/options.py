@@ -19,10 +19,13 @@ if TYPE_CHECKING:
 app = typer.Typer(
     help="Distributed hardware-in-the-loop rig for force-controlled hydraulic manipulators.",
     no_args_is_help=True,
-    add_completion=False,
     pretty_exceptions_enable=False,
     rich_markup_mode="markdown",
 )
+# The chapters of `hydrohil --help`.
+EXPERIMENTS, RUNNING_CELL, STUDIES = "Experiments", "A cell that runs", "Studies of an experiment"
+CONFIDENCE, SERVICES = "Host, faults, causes", "Services, one process each"
+
 console = Console(width=None if sys.stdout.isatty() else 120)
 errors = Console(stderr=True, highlight=False, soft_wrap=True)
 

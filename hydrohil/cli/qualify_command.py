@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING, Annotated
 
 import typer
 
-from hydrohil.cli.options import CellName, Port, app, console, fail, make_folders, writing
+from hydrohil.cli.options import CONFIDENCE, CellName, Port, app, console, fail, make_folders, writing
 from hydrohil.cli.reproduce_command import write_whole
 from hydrohil.shared.exit_status import EXIT_TRANSPORT, EXIT_USAGE
 from hydrohil.shared.host.qualified import hertz, record_file, this_host, words
@@ -27,7 +27,7 @@ LOOP_S, BASELINE_S = 20.0, 5.0
 QUICK_BASELINE_S, QUICK_SAMPLES = 1.0, 1000
 
 
-@app.command()
+@app.command(rich_help_panel=CONFIDENCE)
 def qualify(
     rate_hz: Annotated[
         float | None, typer.Option(metavar="HZ", help="Try this rate alone (100 to 1000); default: 1000, 500, 222.2, 100.")

@@ -10,6 +10,7 @@ from typing import TYPE_CHECKING, Annotated, Any
 import typer
 
 from hydrohil.cli.options import (
+    EXPERIMENTS,
     CellName,
     Hosts,
     Port,
@@ -24,7 +25,7 @@ from hydrohil.cli.options import (
     writing,
 )
 from hydrohil.shared.exit_status import EXIT_TRANSPORT, EXIT_TRIPPED, EXIT_USAGE
-from hydrohil.shared.transport.bus import DEFAULT_PORT
+from hydrohil.shared.transport.endpoints import DEFAULT_PORT
 
 if TYPE_CHECKING:  # the page's libraries load when it is made
     from hydrohil.cell.processes import Place
@@ -34,7 +35,7 @@ if TYPE_CHECKING:  # the page's libraries load when it is made
 PAGE, JUNIT = "reproduction.html", "junit.xml"
 
 
-@app.command()
+@app.command(rich_help_panel=EXPERIMENTS)
 def reproduce(
     figures: Annotated[list[str] | None, typer.Argument(help="Chapters (4, appendix), figures or aliases; default: all.")] = None,
     only: Annotated[list[str] | None, typer.Option("--only", metavar="WHAT", help="The same: --only 5 7 fig-4-25.")] = None,

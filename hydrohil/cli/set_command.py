@@ -6,14 +6,15 @@ from typing import Annotated, Any
 import typer
 
 from hydrohil.cli.cell_commands import await_links
-from hydrohil.cli.options import AsJson, CellName, Port, app, console, fail
+from hydrohil.cli.options import RUNNING_CELL, AsJson, CellName, Port, app, console, fail
 from hydrohil.shared.exit_status import EXIT_TRANSPORT, EXIT_USAGE
-from hydrohil.shared.transport.bus import DEFAULT_PORT, Bus
+from hydrohil.shared.transport.bus import Bus
+from hydrohil.shared.transport.endpoints import DEFAULT_PORT
 
 _ANSWER_S = 10.0  # a stiffness is examined between the samples, along the whole reference
 
 
-@app.command("set")
+@app.command("set", rich_help_panel=RUNNING_CELL)
 def set_parameters(
     assignments: Annotated[list[str], typer.Argument(metavar="PATH=VALUE...", help="As in `hydrohil run --set`.")],
     as_json: AsJson = False,

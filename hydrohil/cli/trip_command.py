@@ -7,11 +7,11 @@ from typing import Annotated, Any
 
 import typer
 
-from hydrohil.cli.options import AsJson, app, console, fail, make_folders, writing
+from hydrohil.cli.options import RUNNING_CELL, AsJson, app, console, fail, make_folders, writing
 from hydrohil.shared.exit_status import EXIT_USAGE
 
 
-@app.command()
+@app.command(rich_help_panel=RUNNING_CELL)
 def trip(
     file: Annotated[Path | None, typer.Argument(help="A report; default: the newest in runs/trips.")] = None,
     as_json: AsJson = False,

@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING, Annotated
 import typer
 
 from hydrohil.cli.experiment_commands import experiment_of
-from hydrohil.cli.options import Settings, app, console, fail, make_folders, writing
+from hydrohil.cli.options import STUDIES, Settings, app, console, fail, make_folders, writing
 from hydrohil.shared.exit_status import EXIT_USAGE
 
 if TYPE_CHECKING:
@@ -19,7 +19,7 @@ if TYPE_CHECKING:
 LINKS = {"1": (0,), "2": (1,), "3": (2,), "all": (0, 1, 2)}
 
 
-@app.command()
+@app.command(rich_help_panel=STUDIES)
 def tune(
     name: Annotated[str, typer.Argument(help="Experiment whose plant is tuned: name, alias, or a TOML file.")] = "fig-4-25",
     link: Annotated[str, typer.Option(help="1 (left/right), 2 (down/up), 3 (out/in) or all.")] = "all",

@@ -19,7 +19,8 @@ from hydrohil.shared.exit_status import EXIT_OK, EXIT_TRANSPORT
 from hydrohil.shared.host.child import environment, python_module
 from hydrohil.shared.host.process import DEFAULT_CELL
 from hydrohil.shared.host.realtime import Granted, die_with_parent, request_realtime
-from hydrohil.shared.transport.bus import DEFAULT_PORT, BusError
+from hydrohil.shared.transport.bus import BusError
+from hydrohil.shared.transport.endpoints import DEFAULT_PORT
 from hydrohil.shared.units import NS_PER_S
 
 

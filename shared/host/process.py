@@ -20,8 +20,8 @@ from hydrohil.shared.host.realtime import (
     quiet_garbage_collection,
     request_realtime,
 )
-from hydrohil.shared.transport.bus import DEFAULT_PORT, Bus, BusError
-from hydrohil.shared.transport.endpoints import HERE, LISTENERS, Network, address, network
+from hydrohil.shared.transport.bus import Bus, BusError
+from hydrohil.shared.transport.endpoints import DEFAULT_PORT, HERE, LISTENERS, Network, address, network
 
 _NUMBER_BITS = 62
 _ALONE = {"controller": True, "supervisor": False}  # whether it has its cell's chosen processor; the plant goes where one is free

@@ -32,7 +32,6 @@ from hydrohil.shared.transport.requests import REPEATABLE, TO, Request, Requests
 from hydrohil.shared.transport.step_lock import StepLock
 from hydrohil.shared.transport.thread_state import keep_thread_state
 
-DEFAULT_PORT = 7450
 _TAKEN = "a {service} runs there already; stop it (`hydrohil down`) or give this cell other ports (`--port N`)"
 _THERE = "a {service} of cell {cell!r} is at this router already; stop it (`hydrohil down`) or name another (`--cell NAME`)"
 

@@ -11,6 +11,7 @@ import re
 from typing import Any, NamedTuple
 
 LISTENERS = ("plant", "controller", "supervisor", "recorder")  # offset from the cell's first port
+DEFAULT_PORT = 7450  # a cell's first
 LOOPBACK = "127.0.0.1"
 ROUTER = f"tcp/{LOOPBACK}:7447"
 CLIENT_TRIES_MS = 1000  # for a router; a service begins anew, an operator is told
