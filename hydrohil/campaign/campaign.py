@@ -84,4 +84,7 @@ def columns_of(campaign: Campaign) -> tuple[str, ...]:
 
 def measure_claims(campaign: Campaign) -> tuple[Claim, ...]:
     """The metrics as claims without a band, which the judge of claims can measure."""
-    return tuple(Claim(name, m.metric, m.channel, "above", m.start_s, m.end_s, m.unit) for name, m in campaign.metrics.items())
+    return tuple(
+        Claim(name, metric=m.metric, channel=m.channel, comparison="above", start_s=m.start_s, end_s=m.end_s, unit=m.unit)
+        for name, m in campaign.metrics.items()
+    )

@@ -89,16 +89,16 @@ def blocks(model: LinearModel) -> Blocks:
     model_x, model_f = target_blocks(model.target)
     above_x, above_f, below = arm_polynomials(model.arm)
     return Blocks(
-        forward,
-        velocity,
-        controller_block(model.position),
-        model_x,
-        model_f,
-        control.tf(above_x, below),
-        control.tf(above_f, below),
-        gauge_block(model.target),
-        1.0 + model_x if model.target.feels_measured else control.tf([1.0], [1.0]),
-        model.target.force_gain,
+        actuator=forward,
+        velocity=velocity,
+        controller=controller_block(model.position),
+        model_x=model_x,
+        model_f=model_f,
+        robot_x=control.tf(above_x, below),
+        robot_f=control.tf(above_f, below),
+        gauge=gauge_block(model.target),
+        felt_x=1.0 + model_x if model.target.feels_measured else control.tf([1.0], [1.0]),
+        force_gain=model.target.force_gain,
     )
 
 

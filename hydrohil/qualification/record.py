@@ -84,13 +84,13 @@ def summary(trials: dict[int, dict[str, Any]]) -> Qualified:
     decided = trials[deciding_period_ns(verdicts)]
     lease = decided["lease_ns"]
     return Qualified(
-        qualified_period_ns(verdicts),
-        decided["grade"],
-        decided["made"],
-        decided["period_ns"],
-        decided["samples"],
-        decided["late_share"],
-        decided["accepted_us"]["p999"],
-        decided["wake_ups_us"]["max"],
-        None if lease is None else lease / _NS_PER_MS,
+        qualified_period_ns=qualified_period_ns(verdicts),
+        grade=decided["grade"],
+        made=decided["made"],
+        period_ns=decided["period_ns"],
+        samples=decided["samples"],
+        late_share=decided["late_share"],
+        accepted_p999_us=decided["accepted_us"]["p999"],
+        wake_up_max_us=decided["wake_ups_us"]["max"],
+        lease_ms=None if lease is None else lease / _NS_PER_MS,
     )

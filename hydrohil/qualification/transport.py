@@ -25,8 +25,35 @@ _NS_PER_US = 1000
 
 def frame_bytes() -> int:
     """Size of a sample's frame."""
-    header = Header(1, 1, "cell", 1 << 47, bytes(32), "plant", 1 << 61, 1 << 61, 1 << 20, 1 << 20, 1 << 40)
-    sample = Sample(1 << 20, 1 << 40, 1000, 1 << 40, (4000,) * 5, 100, (2048,) * 3, 1, 0, 1000, (0, 0, 0), 1 << 20, 0, 1 << 22)
+    header = Header(
+        version=1,
+        schema=1,
+        cell="cell",
+        run=1 << 47,
+        experiment=bytes(32),
+        sender="plant",
+        epoch=1 << 61,
+        arming_id=1 << 61,
+        seq=1 << 20,
+        echo_number=1 << 20,
+        echo_time_ns=1 << 40,
+    )
+    sample = Sample(
+        number=1 << 20,
+        time_ns=1 << 40,
+        tick=1000,
+        trial_time_ns=1 << 40,
+        encoder_counts=(4000,) * 5,
+        force_counts=100,
+        dac_counts=(2048,) * 3,
+        gate=1,
+        gate_cause=0,
+        gate_open_samples=1000,
+        recover_signs=(0, 0, 0),
+        command_number=1 << 20,
+        command_late_substeps=0,
+        command_age_ns=1 << 22,
+    )
     return len(encode("hydrohil/cell/plant/sample", header, sample))
 
 

@@ -109,20 +109,20 @@ def sample_of(
 ) -> Sample:
     """The sample that the plant publishes at row `i`."""
     return Sample(
-        i,
-        time_ns,
-        setup.first_tick + i,
-        trial_time_ns,
-        counts[0],
-        counts[1],
-        gate.codes,
-        gate.state,
-        gate.cause,
-        gate.open_samples,
-        gate.recover_signs,
-        gate.command_number,
-        0,
-        setup.latch_substeps * SUBSTEP_NS,
+        number=i,
+        time_ns=time_ns,
+        tick=setup.first_tick + i,
+        trial_time_ns=trial_time_ns,
+        encoder_counts=counts[0],
+        force_counts=counts[1],
+        dac_counts=gate.codes,
+        gate=gate.state,
+        gate_cause=gate.cause,
+        gate_open_samples=gate.open_samples,
+        recover_signs=gate.recover_signs,
+        command_number=gate.command_number,
+        command_late_substeps=0,
+        command_age_ns=setup.latch_substeps * SUBSTEP_NS,
     )
 
 
@@ -133,15 +133,15 @@ def gate_input(
     """What the gate judges at the latch when nothing is late."""
     age_ns = setup.latch_substeps * SUBSTEP_NS
     return GateInput(
-        PermitObservation(True, arming_id, _EPOCH, permit.mode, age_ns, permit.recover_signs),
-        CommandObservation(True, _ARMING_ID, _EPOCH, age_ns, sample.number, codes),
-        sample.force_counts,
-        force_n,
-        sample.tick,
-        False,
-        False,
-        0,  # no link, no faults of one
-        0,
+        permit=PermitObservation(True, arming_id, _EPOCH, permit.mode, age_ns, permit.recover_signs),
+        command=CommandObservation(True, _ARMING_ID, _EPOCH, age_ns, sample.number, codes),
+        force_counts=sample.force_counts,
+        force_n=force_n,
+        tick=sample.tick,
+        estop=False,
+        overrun=False,
+        link_faults=0,  # no link, no faults of one
+        epoch_conflicts=0,
     )
 
 
@@ -178,11 +178,46 @@ def write_row(
 
 def begin(setup: Setup, memory: ControlMemory, intervals: Integers) -> Underway:
     """Before the first row: the cell is armed, its gate shut."""
-    gate = GateMemory(0, 1, (2048, 2048, 2048), -1, 0, 0, 0, 0, (0,) * 16, (0, 0, 0))
-    watch = SupervisorMemory(RUNNING, _ARMING_ID, 0, 0.0, 0.0, -1, 0, 0, 0, (0, 0, 0), watch_start(), False)
+    gate = GateMemory(
+        state=0,
+        cause=1,
+        codes=(2048, 2048, 2048),
+        command_number=-1,
+        open_samples=0,
+        arming_id=0,
+        permit_epoch=0,
+        command_epoch=0,
+        revoked=(0,) * 16,
+        recover_signs=(0, 0, 0),
+    )
+    watch = SupervisorMemory(
+        mode=RUNNING,
+        arming_id=_ARMING_ID,
+        cause=0,
+        measured=0.0,
+        limit=0.0,
+        trip_number=-1,
+        first_sample=0,
+        armed_at=0,
+        held_until=0,
+        recover_signs=(0, 0, 0),
+        watch=watch_start(),
+        pressed=False,
+    )
     trial_time_ns = -SUBSTEP_NS * int(sum(intervals[: -setup.first_tick]))
     held = Held(((0, 0, 0, 0, 0), 0), 0)
-    return Underway(0, 0, trial_time_ns, setup.start, memory, watch, gate, False, held, gate.codes)
+    return Underway(
+        row=0,
+        time_ns=0,
+        trial_time_ns=trial_time_ns,
+        machine=setup.start,
+        control=memory,
+        watch=watch,
+        gate=gate,
+        ready=False,
+        held=held,
+        at_valves=gate.codes,
+    )
 
 
 def play(
@@ -192,14 +227,16 @@ def play(
     first, time_ns, trial_time_ns, state, memory, watch, gate, ready, held, at_valves = underway
     for i in range(first, end):
         tick = setup.first_tick + i
-        counts = faulty_sense(state, setup.machine, setup.contact, noise_n[i], faults, tick, held)
+        counts = faulty_sense(
+            state=state, machine=setup.machine, contact=setup.contact, noise_n=noise_n[i], table=faults, tick=tick, held=held
+        )
         held, machine = Held(counts, 1), faulty_machine(faults, tick, setup.machine)
         sample = sample_of(setup, gate, counts, i, time_ns, trial_time_ns)
         seen = ground_truth(state, setup.machine, setup.contact, i, sample.tick)
         memory, codes, thought = control_step(memory, setup.control, table, sample)
         watch, permit = supervisor_step(watch, setup.supervise, sample, Asked(NOTHING, 0, True, ready, 0, Links(0, 0, 0, 1)))
         ready = thought.ready == 1
-        write_row(out, i, sample, codes, thought, permit, seen)
+        write_row(out=out, i=i, sample=sample, codes=codes, thought=thought, permit=permit, seen=seen)
         state = advance(state, machine, setup.contact, at_valves, setup.latch_substeps)
         force_n = sample.force_counts * setup.control.calibration.force_n_per_count
         gate = gate_step(gate, setup.limits, gate_input(setup, permit, watch.arming_id, sample, codes, force_n), True)
@@ -208,5 +245,27 @@ def play(
         time_ns += intervals[i] * SUBSTEP_NS
         trial_time_ns += intervals[i] * SUBSTEP_NS
         if watch.mode != RUNNING:
-            return Underway(i + 1, time_ns, trial_time_ns, state, memory, watch, gate, ready, held, at_valves)
-    return Underway(end, time_ns, trial_time_ns, state, memory, watch, gate, ready, held, at_valves)
+            return Underway(
+                row=i + 1,
+                time_ns=time_ns,
+                trial_time_ns=trial_time_ns,
+                machine=state,
+                control=memory,
+                watch=watch,
+                gate=gate,
+                ready=ready,
+                held=held,
+                at_valves=at_valves,
+            )
+    return Underway(
+        row=end,
+        time_ns=time_ns,
+        trial_time_ns=trial_time_ns,
+        machine=state,
+        control=memory,
+        watch=watch,
+        gate=gate,
+        ready=ready,
+        held=held,
+        at_valves=at_valves,
+    )

@@ -63,14 +63,16 @@ def setup(experiment: Experiment, limits: GateLimits) -> Setup:
     described = describe(experiment.plant, limits)
     first = -tare_ticks(experiment.plant)
     return Setup(
-        experiment.plant.machine,
-        contact,
-        limits,
-        controller_params(experiment.controller, described, first),
-        supervisor_params(experiment.supervisor, described, -first, duration_ticks(experiment.duration_s, experiment.plant)),
-        machine_start(experiment.plant.machine, contact, experiment.plant.initial_q),
-        first,
-        latch_substeps(experiment.plant),
+        machine=experiment.plant.machine,
+        contact=contact,
+        limits=limits,
+        control=controller_params(experiment.controller, described, first),
+        supervise=supervisor_params(
+            experiment.supervisor, described, -first, duration_ticks(experiment.duration_s, experiment.plant)
+        ),
+        start=machine_start(experiment.plant.machine, contact, experiment.plant.initial_q),
+        first_tick=first,
+        latch_substeps=latch_substeps(experiment.plant),
     )
 
 

@@ -3,7 +3,7 @@
 The text gives neither object nor levels. Chosen once here: an object of 500 kN/m, eleven times the gauge, and 50 to 250 N.
 """
 
-from hydrohil.claims.claims import Claim
+from hydrohil.claims.bands import Measure, at_least
 from hydrohil.claims.pairs import PairClaim
 from hydrohil.experiment.experiment import Experiment
 from hydrohil.experiment.sections import UNIMATE, ControllerConfig, Environment, ImpedanceConfig, Segment
@@ -35,19 +35,7 @@ EXPERIMENTS = (
         ),
         controller=ControllerConfig(impedance=ImpedanceConfig(500.0, 50e3, 1.2, "net", IN_SERIES_N_PER_M, True)),
         reference=STAIRCASE,
-        claims=(
-            Claim(
-                "The tool never leaves the object",
-                "minimum",
-                "force",
-                "above",
-                1.0,
-                DURATION_S,
-                "N",
-                low=10.0,  # twice the gauge's noise
-                source=_PRESSED,
-            ),
-        ),
+        claims=(at_least("The tool never leaves the object", Measure("minimum", "force", "N", 1.0, DURATION_S), 10.0, _PRESSED),),
     ),
 )
 PAIRS: tuple[PairClaim, ...] = ()

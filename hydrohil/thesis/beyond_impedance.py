@@ -61,14 +61,33 @@ def beyond(
 ) -> Experiment:
     """A trial that has no figure: its alias is its name."""
     source = f"beyond the thesis, proposed in {section}"
-    return Experiment(name, name, title, source, duration_s, plant, controller, reference=reference, claims=claims)
+    return Experiment(
+        name=name,
+        alias=name,
+        title=title,
+        source=source,
+        duration_s=duration_s,
+        plant=plant,
+        controller=controller,
+        reference=reference,
+        claims=claims,
+    )
 
 
 def rest(mass_kg: float, filtered: bool, claims: tuple[Claim, ...]) -> Experiment:
     """In free space nothing is asked, so that what moves is moved by noise (9.3.1)."""
     impedance, words = light(True, mass_kg, filtered), f"{mass_kg:g} kg at rest{', filtered' if filtered else ''}"
     name, controller = name_of("rest", mass_kg, filtered), ControllerConfig(impedance=impedance)
-    return beyond(name, words, "9.3.1", claims_impedance.REST_END_S, sampled(Environment()), controller, (), claims)
+    return beyond(
+        name=name,
+        title=words,
+        section="9.3.1",
+        duration_s=claims_impedance.REST_END_S,
+        plant=sampled(Environment()),
+        controller=controller,
+        reference=(),
+        claims=claims,
+    )
 
 
 def circle(soft: bool, mass_kg: float, filtered: bool) -> Experiment:
@@ -77,7 +96,16 @@ def circle(soft: bool, mass_kg: float, filtered: bool) -> Experiment:
     title = f"Circle on the {words} plate, {mass_kg:g} kg{', filtered' if filtered else ''}"
     name, controller = name_of(f"circle-{words}", mass_kg, filtered), ControllerConfig(impedance=light(soft, mass_kg, filtered))
     plant = plate(SOFT_N_PER_M if soft else STIFF_N_PER_M, 0.0, RADIUS_M)
-    return beyond(name, title, "9.3.1", TURNS * TURN_S, plant, controller, CIRCLE, claims_impedance.PATH)
+    return beyond(
+        name=name,
+        title=title,
+        section="9.3.1",
+        duration_s=TURNS * TURN_S,
+        plant=plant,
+        controller=controller,
+        reference=CIRCLE,
+        claims=claims_impedance.PATH,
+    )
 
 
 def static(soft: bool, filtered: bool, claims: tuple[Claim, ...], stiffness_n_per_m: float = HELD_N_PER_M) -> Experiment:
@@ -87,7 +115,16 @@ def static(soft: bool, filtered: bool, claims: tuple[Claim, ...], stiffness_n_pe
     impedance = light(soft, 10.0, filtered, stiffness_n_per_m)._replace(damping_ratio=1.2, setpoint_compensation=True)
     name = name_of(f"static-{words}{'-compliant' if compliant else ''}", 10.0, filtered)
     plant = plate(SOFT_N_PER_M if soft else STIFF_N_PER_M, PRELOAD_N)
-    return beyond(name, title, "9.3.1", STATIC_S, plant, ControllerConfig(impedance=impedance), STATIC, claims)
+    return beyond(
+        name=name,
+        title=title,
+        section="9.3.1",
+        duration_s=STATIC_S,
+        plant=plant,
+        controller=ControllerConfig(impedance=impedance),
+        reference=STATIC,
+        claims=claims,
+    )
 
 
 def adaptive(adaptation: AdaptationConfig) -> Experiment:
@@ -96,7 +133,16 @@ def adaptive(adaptation: AdaptationConfig) -> Experiment:
     name, plant = f"adaptive-{words.replace(' ', '-')}", plate(STIFF_N_PER_M, 0.0, RADIUS_M)
     controller = ControllerConfig(impedance=light(False, 50.0, False), adaptation=adaptation)
     title = f"Circle on the stiff plate, force limited by {words}"
-    return beyond(name, title, "9.3.4", TURNS * TURN_S, plant, controller, CIRCLE, claims_impedance.LIMITED)
+    return beyond(
+        name=name,
+        title=title,
+        section="9.3.4",
+        duration_s=TURNS * TURN_S,
+        plant=plant,
+        controller=controller,
+        reference=CIRCLE,
+        claims=claims_impedance.LIMITED,
+    )
 
 
 EXPERIMENTS = (

@@ -6,6 +6,7 @@ itself 79 N and a limit cycle, by the stiff one rest at 286 N, near the limit of
 soft target cycles with every seed: a link that by chance lands inside the dead zone ends its cycle.
 """
 
+from hydrohil.claims.bands import Measure, at_least, between
 from hydrohil.claims.claims import Claim
 from hydrohil.claims.pairs import PairClaim
 from hydrohil.experiment.experiment import Experiment
@@ -47,16 +48,11 @@ def force_n(stiffness_n_per_m: float) -> float:
 WANTED_N = force_n(SOFT_TARGET_N_PER_M)
 EXCESS = force_n(STIFF_TARGET_N_PER_M) / WANTED_N  # what the stiff target makes of the same trajectory, 3.6
 
-_CYCLES = Claim("The link cycles", "cycles", "q2", "above", HALF_S, END_S, "counts", low=2.0, source=_HELD)
+_CYCLES = at_least("The link cycles", Measure("cycles", "q2", "counts", HALF_S, END_S), 2.0, _HELD)
 _RESTS = _CYCLES._replace(statement="There is no limit cycle", comparison="below", low=0.0, source=_STABLE)
-_APPEARS = Claim(
+_APPEARS = between(
     "The steady force is that of the soft target, to a tenth",
-    "mean",
-    "force",
-    "within",
-    HALF_S,
-    END_S,
-    "N",
+    Measure("mean", "force", "N", HALF_S, END_S),
     (1.0 - TENTH) * WANTED_N,
     (1.0 + TENTH) * WANTED_N,
     _MASK,
@@ -92,7 +88,18 @@ EXPERIMENTS = (
     push("push-apparent-rough", "stiff-target-rough-estimate", "the same by the stiff plate's k_eff", _GUESSED, (_RESTS,)),
 )
 
-_OVER_SOFT = PairClaim("", "", "push-soft", "metric_ratio", "force", "within", HALF_S, END_S, "1", "mean")
+_OVER_SOFT = PairClaim(
+    "",
+    of="",
+    against="push-soft",
+    measure="metric_ratio",
+    channel="force",
+    comparison="within",
+    start_s=HALF_S,
+    end_s=END_S,
+    unit="1",
+    metric="mean",
+)
 PAIRS = (
     _OVER_SOFT._replace(
         statement="The stiff target appears as soft as the soft one, to a tenth",

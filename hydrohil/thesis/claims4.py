@@ -8,7 +8,8 @@ steady-state error that the text calls the limit of the positioning ability.
 ramps and the sine, apart from regulation, the steps, which must not have become worse.
 """
 
-from hydrohil.claims.claims import Claim, Comparison
+from hydrohil.claims.bands import Measure, at_least, at_most, between
+from hydrohil.claims.claims import Claim
 from hydrohil.claims.pairs import PairClaim
 from hydrohil.claims.signals import COUNT_RAD
 from hydrohil.shared.units import RAD_PER_DEG
@@ -26,6 +27,7 @@ _STEADY = (
     'thesis 4.6: "The ramp and step trials show that the steady-state positioning error is about 1 or 2 '
     'encoder resolution widths."'
 )
+_PI_SINE = 'thesis 4.3: "the complete failure to track the sine wave pattern (Figure 4-6)."'
 _RAMP_OVERSHOOT = 'thesis 4.3: "Ramp tests also showed overshoot in the manipulator response."'
 _MORSE_OVERSHOOT = 'thesis 4.4: "Finally, overshoot remained in ramp and sine wave tracking."'
 _MORSE_RAMPS = (
@@ -57,102 +59,78 @@ _FINAL_RAMPS = (
     'thesis 4.6: "reduce the integral when the desired velocity is approaching zero, which is when the problems with '
     'overshoot are observed"; "The same effect provided some improvement in tracking ramp inputs as well."'
 )
+_DIFFICULTY = (
+    'thesis 4.6: "the controller still has difficulty following the sine wave once the peak-to-peak amplitude drops to 0.2 deg."'
+)
+_SCALLOPED = (
+    'thesis 4.6: "The control signal had a scalloped appearance, being diminished by the additional term whenever a '
+    'deceleration was specified."'
+)
+_PI_LARGE_RAMP = 'thesis 4.3: "Trajectory tracking was good for the large ramp (Figure 4-2)."'
+_WIND_UP = 'thesis 4.3: "integral wind-up caused expectedly large overshoots in response to large step inputs (Figure 4-3)."'
+_DELAYS = 'thesis 4.3: "Delays in motion of up to 2 seconds, due to stiction and actuator deadband, were observed (Figure 4-4)."'
+_PI_SMALL_STEP = (
+    'thesis 4.3: "Trajectory tracking was good for the large ramp (Figure 4-2) and small step (Figure 4-5) patterns."'
+)
+_MORSE_LARGE_STEP = 'thesis 4.4: "The nonlinear factor greatly improved the large step response."'
+_MORSE_SMALL_STEP = 'thesis 4.4: "it did reduce the overshoot observed for very small changes in position."'
+_STICKING_ELIMINATED = (
+    'thesis 4.5.3: "practically eliminate sticking"; Figure 4-14: without it static friction is broken at 0.9 s.'
+)
+_VETIA_SINE = 'thesis 4.6: "Figure 4-20 shows how the proposed method of stiction compensation eliminates sticking."'
+_FINAL_SINE = 'thesis 4.6: "The manipulator could now follow the sine wave closely for the larger amplitude oscillations."'
 
 
 def _rms(words: str, share: float, source: str) -> Claim:
-    return Claim(words, "rms_error", "q2", "below", 0.0, 2.0 * THERE_S, "deg", high=share * LARGE_DEG, source=source)
+    return at_most(words, Measure("rms_error", "q2", "deg", 0.0, 2.0 * THERE_S), share * LARGE_DEG, source)
 
 
 def _overshoots(words: str, least_deg: float, source: str) -> Claim:
-    return Claim(words, "overshoot", "q2", "above", 0.0, THERE_S, "deg", low=least_deg, source=source)
+    return at_least(words, Measure("overshoot", "q2", "deg", 0.0, THERE_S), least_deg, source)
 
 
 def _no_overshoot(words: str, most_deg: float, source: str) -> Claim:
-    return Claim(words, "overshoot", "q2", "below", 0.0, THERE_S, "deg", high=most_deg, source=source)
+    return at_most(words, Measure("overshoot", "q2", "deg", 0.0, THERE_S), most_deg, source)
 
 
-def _sine_ratio(words: str, comparison: Comparison, start_s: float, end_s: float, low: float, high: float, source: str) -> Claim:
-    claim = Claim(words, "cycle_ratio", "q2", "within", start_s, end_s, "1", low=low, high=high, source=source)
-    return claim._replace(comparison=comparison)
+def _swings(start_s: float, end_s: float) -> Measure:
+    """How large the sine's swings are, over those of the set-point."""
+    return Measure("cycle_ratio", "q2", "1", start_s, end_s)
 
 
 def _reversals(start_s: float, end_s: float, least: float) -> Claim:
     words = "The control bangs from side to side"
-    return Claim(words, "control_reversals", "q2", "above", start_s, end_s, "counts", low=least, source=_DEADBAND_SMALL)
+    return at_least(words, Measure("control_reversals", "q2", "counts", start_s, end_s), least, _DEADBAND_SMALL)
 
 
 def _steady() -> tuple[Claim, ...]:
-    there = Claim(
-        "It rests within two counts", "steady_error_counts", "q2", "below", 4.0, THERE_S, "counts", high=2.0, source=_STEADY
-    )
+    there = at_most("It rests within two counts", Measure("steady_error_counts", "q2", "counts", 4.0, THERE_S), 2.0, _STEADY)
     return (there, there._replace(statement="It rests within two counts, back", start_s=9.0, end_s=2.0 * THERE_S))
 
 
 _PI = {
     "pi-large-ramp": (
-        _rms(
-            "The large ramp is tracked well", TENTH, 'thesis 4.3: "Trajectory tracking was good for the large ramp (Figure 4-2)."'
-        ),
+        _rms("The large ramp is tracked well", TENTH, _PI_LARGE_RAMP),
         _overshoots("The ramp's end is overshot", TWO_COUNTS_DEG, _RAMP_OVERSHOOT),
     ),
-    "pi-large-step": (
-        _overshoots(
-            "Integral wind-up overshoots far",
-            TENTH * LARGE_DEG,
-            'thesis 4.3: "integral wind-up caused expectedly large overshoots in response to large step inputs (Figure 4-3)."',
-        ),
-    ),
+    "pi-large-step": (_overshoots("Integral wind-up overshoots far", TENTH * LARGE_DEG, _WIND_UP),),
     "pi-small-ramp": (
-        Claim(
-            "Motion is delayed by up to 2 s",
-            "longest_delay_s",
-            "q2",
-            "within",
-            0.0,
-            2.0 * THERE_S,
-            "s",
-            low=1.5,
-            high=2.5,
-            source='thesis 4.3: "Delays in motion of up to 2 seconds, due to stiction and actuator deadband, were '
-            'observed (Figure 4-4)."',
-        ),
+        between("Motion is delayed by up to 2 s", Measure("longest_delay_s", "q2", "s", 0.0, 2.0 * THERE_S), 1.5, 2.5, _DELAYS),
         _overshoots("The ramp's end is overshot", TWO_COUNTS_DEG, _RAMP_OVERSHOOT),
     ),
     "pi-small-step": (
-        Claim(
-            "The small step is tracked well",
-            "max_error",
-            "q2",
-            "below",
-            4.0,
-            THERE_S,
-            "deg",
-            high=TENTH * SMALL_DEG,
-            source='thesis 4.3: "Trajectory tracking was good for the large ramp (Figure 4-2) and small step (Figure '
-            '4-5) patterns."',
+        at_most(
+            "The small step is tracked well", Measure("max_error", "q2", "deg", 4.0, THERE_S), TENTH * SMALL_DEG, _PI_SMALL_STEP
         ),
     ),
     "pi-sine": (
-        Claim(
+        at_least(
             "The sine is not tracked: the error is as large as the signal",
-            "relative_error",
-            "q2",
-            "above",
-            0.0,
-            SINE_S,
-            "%",
-            low=90.0,
-            source='thesis 4.3: "the complete failure to track the sine wave pattern (Figure 4-6)."',
+            Measure("relative_error", "q2", "%", 0.0, SINE_S),
+            90.0,
+            _PI_SINE,
         ),
-        _sine_ratio(
-            "Not half of the motion takes place",
-            "below",
-            0.0,
-            SINE_S,
-            0.0,
-            0.5,
-            'thesis 4.3: "the complete failure to track the sine wave pattern (Figure 4-6)."',
-        ),
+        at_most("Not half of the motion takes place", _swings(0.0, SINE_S), 0.5, _PI_SINE),
     ),
 }
 _MORSE = {
@@ -160,71 +138,33 @@ _MORSE = {
         _rms("Tracking of the ramp is improved", TWENTIETH, _MORSE_RAMPS),
         _overshoots("The ramp's end is overshot", TWO_COUNTS_DEG, _MORSE_OVERSHOOT),
     ),
-    "morse-large-step": (
-        _no_overshoot(
-            "The integral no longer winds up",
-            FIFTIETH * LARGE_DEG,
-            'thesis 4.4: "The nonlinear factor greatly improved the large step response."',
-        ),
-    ),
+    "morse-large-step": (_no_overshoot("The integral no longer winds up", FIFTIETH * LARGE_DEG, _MORSE_LARGE_STEP),),
     "morse-small-ramp": (
-        Claim(
-            "Static friction is broken at 0.9 s",
-            "first_motion_s",
-            "q2",
-            "within",
-            0.0,
-            2.0,
-            "s",
-            low=0.8,
-            high=1.0,
-            source=_STUCK,
-        ),
-        Claim(
+        between("Static friction is broken at 0.9 s", Measure("first_motion_s", "q2", "s", 0.0, 2.0), 0.8, 1.0, _STUCK),
+        at_least(
             "In stiction the velocity error is larger than the position error",
-            "error_rate_to_error",
-            "q2",
-            "above",
-            0.0,
-            0.9,
-            "1/s",
-            low=1.0,
-            source=_STUCK,
+            Measure("error_rate_to_error", "q2", "1/s", 0.0, 0.9),
+            1.0,
+            _STUCK,
         ),
-        Claim(
+        at_most(
             "In stiction the error's integral is smaller than the error",
-            "error_integral_to_error",
-            "q2",
-            "below",
-            0.0,
-            0.9,
-            "s",
-            high=1.0,
-            source=_STUCK,
+            Measure("error_integral_to_error", "q2", "s", 0.0, 0.9),
+            1.0,
+            _STUCK,
         ),
         _overshoots("The ramp's end is overshot", TWO_COUNTS_DEG, _MORSE_OVERSHOOT),
     ),
-    "morse-small-step": (
-        _no_overshoot(
-            "A small step is not overshot",
-            TWO_COUNTS_DEG,
-            'thesis 4.4: "it did reduce the overshoot observed for very small changes in position."',
-        ),
-    ),
+    "morse-small-step": (_no_overshoot("A small step is not overshot", TWO_COUNTS_DEG, _MORSE_SMALL_STEP),),
     "morse-sine": (
-        _sine_ratio("Large swings are followed", "above", 0.0, LARGE_SINE_S, 1.0 - TENTH, 0.0, _MORSE_SINE),
-        Claim(
+        at_least("Large swings are followed", _swings(0.0, LARGE_SINE_S), 1.0 - TENTH, _MORSE_SINE),
+        at_least(
             "The largest swing is overshot",
-            "peak_to_peak_ratio",
-            "q2",
-            "above",
-            0.0,
-            LARGE_SINE_S,
-            "1",
-            low=1.0 + TWO_COUNTS_DEG / SINE_DEG,
-            source=_MORSE_OVERSHOOT,
+            Measure("peak_to_peak_ratio", "q2", "1", 0.0, LARGE_SINE_S),
+            1.0 + TWO_COUNTS_DEG / SINE_DEG,
+            _MORSE_OVERSHOOT,
         ),
-        _sine_ratio("Small swings stick", "below", SMALL_SINE_S, SINE_S, 0.0, 0.5, _MORSE_SINE),
+        at_most("Small swings stick", _swings(SMALL_SINE_S, SINE_S), 0.5, _MORSE_SINE),
     ),
 }
 _DEADBAND = {
@@ -241,31 +181,18 @@ _VETIA_CLAIMS = {
     ),
     "vetia-large-step": (_no_overshoot("The step response has not suffered", FIFTIETH * LARGE_DEG, _VETIA_HARMLESS),),
     "vetia-small-ramp": (
-        Claim(
+        at_most(
             "The link breaks loose sooner than by Morse's method",
-            "first_motion_s",
-            "q2",
-            "below",
-            0.0,
-            THERE_S,
-            "s",
-            high=0.8,
-            source='thesis 4.5.3: "practically eliminate sticking"; Figure 4-14: without it static friction is broken at 0.9 s.',
+            Measure("first_motion_s", "q2", "s", 0.0, THERE_S),
+            0.8,
+            _STICKING_ELIMINATED,
         ),
         _overshoots("The ramp's end is overshot", TWO_COUNTS_DEG, _VETIA_OVERSHOOT),
     ),
     "vetia-small-step": (_no_overshoot("The step response has not suffered", TWO_COUNTS_DEG, _VETIA_HARMLESS),),
     "vetia-sine": (
-        _sine_ratio("Large swings are overshot far", "above", 0.0, LARGE_SINE_S, 1.0 + TENTH, 0.0, _VETIA_OVERSHOOT),
-        _sine_ratio(
-            "Small swings do not stick",
-            "above",
-            SMALL_SINE_S,
-            SINE_S,
-            0.5,
-            0.0,
-            'thesis 4.6: "Figure 4-20 shows how the proposed method of stiction compensation eliminates sticking."',
-        ),
+        at_least("Large swings are overshot far", _swings(0.0, LARGE_SINE_S), 1.0 + TENTH, _VETIA_OVERSHOOT),
+        at_least("Small swings do not stick", _swings(SMALL_SINE_S, SINE_S), 0.5, _VETIA_SINE),
     ),
 }
 _FINAL = {
@@ -278,49 +205,16 @@ _FINAL = {
     "final-small-ramp": (_no_overshoot("The ramp's end is not overshot", TWO_COUNTS_DEG, _FINAL_RAMPS), *_steady()),
     "final-small-step": (_no_overshoot("The step response is unaffected", TWO_COUNTS_DEG, _FINAL_STEPS), *_steady()),
     "final-sine": (
-        _sine_ratio(
-            "Large swings are followed closely",
-            "within",
-            0.0,
-            LARGE_SINE_S,
-            1.0 - TENTH,
-            1.0 + TENTH,
-            'thesis 4.6: "The manipulator could now follow the sine wave closely for the larger amplitude oscillations."',
+        between("Large swings are followed closely", _swings(0.0, LARGE_SINE_S), 1.0 - TENTH, 1.0 + TENTH, _FINAL_SINE),
+        between("The last swing above 0.2 deg peak to peak is followed", _swings(17.2, 18.3), 0.5, 1.5, _DIFFICULTY),
+        at_least(
+            "Below 0.2 deg peak to peak it has difficulty", Measure("relative_error", "q2", "%", 18.0, SINE_S), 50.0, _DIFFICULTY
         ),
-        _sine_ratio(
-            "The last swing above 0.2 deg peak to peak is followed",
-            "within",
-            17.2,
-            18.3,
-            0.5,
-            1.5,
-            'thesis 4.6: "the controller still has difficulty following the sine wave once the peak-to-peak '
-            'amplitude drops to 0.2 deg."',
-        ),
-        Claim(
-            "Below 0.2 deg peak to peak it has difficulty",
-            "relative_error",
-            "q2",
-            "above",
-            18.0,
-            SINE_S,
-            "%",
-            low=50.0,
-            source='thesis 4.6: "the controller still has difficulty following the sine wave once the peak-to-peak '
-            'amplitude drops to 0.2 deg."',
-        ),
-        Claim(
+        at_most(
             "The control is weaker while the set-point brakes",
-            "braking_control_ratio",
-            "q2",
-            "below",
-            0.0,
-            LARGE_SINE_S,
-            "1",
-            high=1.0,
-            source='thesis 4.6: "The control signal had a scalloped appearance, being diminished by the additional term '
-            "whenever a "
-            'deceleration was specified."',
+            Measure("braking_control_ratio", "q2", "1", 0.0, LARGE_SINE_S),
+            1.0,
+            _SCALLOPED,
         ),
     ),
 }
@@ -333,8 +227,20 @@ _FACTOR = (
 
 
 def _against_pi(words: str, pi: str, final: str, end_s: float, least: float) -> PairClaim:
-    ratio = PairClaim(words, pi, final, "metric_ratio", "q2", "above", 0.0, end_s, "1", "rms_error", source=_FACTOR)
-    return ratio._replace(low=least)
+    return PairClaim(
+        words,
+        of=pi,
+        against=final,
+        measure="metric_ratio",
+        channel="q2",
+        comparison="above",
+        start_s=0.0,
+        end_s=end_s,
+        unit="1",
+        metric="rms_error",
+        low=least,
+        source=_FACTOR,
+    )
 
 
 PAIRS: tuple[PairClaim, ...] = (

@@ -6,6 +6,7 @@ ability, are 1 mm at the tip.
 
 import math
 
+from hydrohil.claims.bands import Measure, at_least, at_most, between
 from hydrohil.claims.claims import Claim
 from hydrohil.claims.signals import COUNT_RAD
 
@@ -68,6 +69,23 @@ _CRATE_SPIKES = (
     'thesis 5.6: "the impedance controller caused repeated impacts, and therefore repeated force spikes, whereas the '
     'position controller encountered a single spike at impact."'
 )
+_DYNAMIC_FORCE = (
+    'thesis 5.4: "position based impedance control with set-point compensation can be successfully applied to a dynamic '
+    'force control task, but performs best in a compliant environment."'
+)
+_PERIOD = (
+    'thesis 5.2: "Figure 5-2 shows that the period of oscillation of the underdamped system matches the desired 3.3 seconds."'
+)
+_DYING = (
+    'thesis 5.2: "difficulty in tracking the dying oscillations of the underdamped system ... the desired motions are very '
+    'small (< 1mm)."'
+)
+_FREE_CIRCLE = 'thesis 5.5: "The nominal position trajectory was quickly matched in free space."'
+_BEFORE_LOSS = (
+    'thesis 5.5: "Some oscillation in control signal and force were observed just before losing contact with the plate '
+    '(Figure 5-10 & Figure 5-12)."'
+)
+_BACKED_UP = 'thesis 5.6: "upon initially striking the crate, the manipulator actually backed up for another go at it."'
 
 
 def overshoot_share(damping_ratio: float) -> float:
@@ -77,12 +95,12 @@ def overshoot_share(damping_ratio: float) -> float:
 
 def _free(end_s: float) -> tuple[Claim, ...]:
     """What holds of every damping. A positive force set-point sends the tool down."""
-    change = Claim("The tool ends 0.2 m away", "final_change", "z", "within", 0.0, end_s, "mm", source=_SWING)
-    precise = Claim("The modified trajectory is followed", "rms_error", "z", "below", 0.0, end_s, "mm", source=_PRECISION)
+    change, off = Measure("final_change", "z", "mm", 0.0, end_s), Measure("rms_error", "z", "mm", 0.0, end_s)
+    low_mm, high_mm, precise_mm = -(1.0 + FIFTIETH) * SWING_MM, -(1.0 - FIFTIETH) * SWING_MM, FIFTIETH * SWING_MM
     return (
-        change._replace(low=-(1.0 + FIFTIETH) * SWING_MM, high=-(1.0 - FIFTIETH) * SWING_MM),
-        precise._replace(high=FIFTIETH * SWING_MM),
-        precise._replace(statement="The motion is straight", channel="x", high=FIFTIETH * SWING_MM),
+        between("The tool ends 0.2 m away", change, low_mm, high_mm, _SWING),
+        at_most("The modified trajectory is followed", off, precise_mm, _PRECISION),
+        at_most("The motion is straight", off._replace(channel="x"), precise_mm, _PRECISION),
     )
 
 
@@ -90,59 +108,32 @@ _UNDERDAMPED = overshoot_share(0.3) * SWING_MM
 _FREE_SPACE = {
     "fig-5-2": (
         *_free(15.0),
-        Claim(
-            "The period is that of the target impedance",
-            "period_s",
-            "z",
-            "within",
-            0.0,
-            15.0,
-            "s",
-            low=3.2,
-            high=3.4,
-            source='thesis 5.2: "Figure 5-2 shows that the period of oscillation of the underdamped system matches the '
-            'desired 3.3 seconds."',
-        ),
-        Claim(
+        between("The period is that of the target impedance", Measure("period_s", "z", "s", 0.0, 15.0), 3.2, 3.4, _PERIOD),
+        between(
             "The first swing is that of the target impedance",
-            "overshoot",
-            "z",
-            "within",
-            0.0,
-            15.0,
-            "mm",
-            low=(1.0 - TENTH) * _UNDERDAMPED,
-            high=(1.0 + TENTH) * _UNDERDAMPED,
-            source=_TARGET,
+            Measure("overshoot", "z", "mm", 0.0, 15.0),
+            (1.0 - TENTH) * _UNDERDAMPED,
+            (1.0 + TENTH) * _UNDERDAMPED,
+            _TARGET,
         ),
-        Claim(
-            "The dying oscillation, below 1 mm, is hard to follow",
-            "relative_error",
-            "z",
-            "above",
-            9.0,
-            12.0,
-            "%",
-            low=50.0,
-            source='thesis 5.2: "difficulty in tracking the dying oscillations of the underdamped system ... the desired '
-            "motions are "
-            'very small (< 1mm)."',
+        at_least(
+            "The dying oscillation, below 1 mm, is hard to follow", Measure("relative_error", "z", "%", 9.0, 12.0), 50.0, _DYING
         ),
     ),
     "fig-5-3": (
         *_free(10.0),
-        Claim("Nothing overshoots", "overshoot", "z", "below", 0.0, 10.0, "mm", high=FIFTIETH * SWING_MM, source=_DAMPING),
+        at_most("Nothing overshoots", Measure("overshoot", "z", "mm", 0.0, 10.0), FIFTIETH * SWING_MM, _DAMPING),
     ),
     "fig-5-4": (
         *_free(25.0),
-        Claim("Nothing overshoots", "overshoot", "z", "below", 0.0, 25.0, "mm", high=FIFTIETH * SWING_MM, source=_DAMPING),
+        at_most("Nothing overshoots", Measure("overshoot", "z", "mm", 0.0, 25.0), FIFTIETH * SWING_MM, _DAMPING),
     ),
 }
 
 
 def _quiet() -> tuple[Claim, ...]:
     """No limit cycle: the link rests, and the valve is asked for nothing that could move it."""
-    rests = Claim("The link rests", "peak_to_peak_counts", "q2", "below", STEADY_S, END_S, "counts", high=2.0, source=_QUIET)
+    rests = at_most("The link rests", Measure("peak_to_peak_counts", "q2", "counts", STEADY_S, END_S), 2.0, _QUIET)
     return (
         rests,
         rests._replace(statement="The control does not swing", metric="control_swings", high=0.0),
@@ -152,23 +143,18 @@ def _quiet() -> tuple[Claim, ...]:
     )
 
 
-def _static(at_most: float, source: str) -> tuple[Claim, ...]:
+def _static(percent: float, source: str) -> tuple[Claim, ...]:
     """The steady force error in percent, as an accuracy that is reached.
 
     The figure's own error cannot be asked for: most of it is the law's dead zone, a force that does not grow with the
     step, and the text does not state the step's size.
     """
     return (
-        Claim(
-            f"The steady force is off by no more than {at_most:g} %",
-            "steady_error",
-            "force",
-            "below",
-            STEADY_S,
-            END_S,
-            "%",
-            high=at_most,
-            source=f"{_COMPENSATION} {source}",
+        at_most(
+            f"The steady force is off by no more than {percent:g} %",
+            Measure("steady_error", "force", "%", STEADY_S, END_S),
+            percent,
+            f"{_COMPENSATION} {source}",
         ),
         *_quiet(),
     )
@@ -178,58 +164,24 @@ _STATIC = {
     "fig-5-5": _static(6.5, _SOFT_ERROR),  # "approximately 6"
     "fig-5-6": _static(10.5, _STIFF_ERROR),  # "closer to 10" than to 6
 }
-_TRACKED = Claim(
+_TRACKED = at_most(
     "The force follows its sine, to a tenth of 200 N",
-    "rms_error",
-    "force",
-    "below",
-    5.0,
-    END_S,
-    "N",
-    high=TENTH * 200.0,
-    source='thesis 5.4: "position based impedance control with set-point compensation can be successfully '
-    "applied to a dynamic force "
-    'control task, but performs best in a compliant environment."',
+    Measure("rms_error", "force", "N", 5.0, END_S),
+    TENTH * 200.0,
+    _DYNAMIC_FORCE,
 )
 _DYNAMIC = {
     "fig-5-7": (_TRACKED,),
     "fig-5-8": (
-        Claim(
-            "The motion is less than 1 cm peak to peak", "peak_to_peak", "z", "below", 5.0, END_S, "mm", high=10.0, source=_SMALL
-        ),
-        Claim(
-            "The up/down link turns by less than 0.6 deg",
-            "peak_to_peak",
-            "q2",
-            "below",
-            5.0,
-            END_S,
-            "deg",
-            high=0.6,
-            source=_SMALL,
-        ),
-        Claim(
+        at_most("The motion is less than 1 cm peak to peak", Measure("peak_to_peak", "z", "mm", 5.0, END_S), 10.0, _SMALL),
+        at_most("The up/down link turns by less than 0.6 deg", Measure("peak_to_peak", "q2", "deg", 5.0, END_S), 0.6, _SMALL),
+        at_least(
             "Above 200 N, moving up is worse than moving down",
-            "upward_error_ratio",
-            "force",
-            "above",
-            0.0,
-            END_S,
-            "1",
-            low=1.0,
-            source=_UPWARD,
+            Measure("upward_error_ratio", "force", "1", 0.0, END_S),
+            1.0,
+            _UPWARD,
         ),
-        Claim(
-            "The control oscillates while moving up",
-            "control_swings",
-            "q2",
-            "above",
-            7.0,
-            9.0,
-            "counts",
-            low=4.0,
-            source=_UPWARD,
-        ),
+        at_least("The control oscillates while moving up", Measure("control_swings", "q2", "counts", 7.0, 9.0), 4.0, _UPWARD),
     ),
 }
 
@@ -237,65 +189,35 @@ _DYNAMIC = {
 def _circle() -> tuple[Claim, ...]:
     """The nominal circle meets the plate at 4 s and at 20 s; the target model leaves it at about 10.5 s."""
     return (
-        Claim("The force stays below 160 N", "maximum", "force", "below", 0.0, 32.0, "N", high=160.0, source=_CIRCLE),
-        Claim(
-            "The circle is matched in free space",
-            "max_deviation",
-            "z",
-            "below",
-            1.0,
-            3.5,
-            "mm",
-            high=FIFTIETH * 120.0,
-            source='thesis 5.5: "The nominal position trajectory was quickly matched in free space."',
+        at_most("The force stays below 160 N", Measure("maximum", "force", "N", 0.0, 32.0), 160.0, _CIRCLE),
+        at_most(
+            "The circle is matched in free space", Measure("max_deviation", "z", "mm", 1.0, 3.5), FIFTIETH * 120.0, _FREE_CIRCLE
         ),
-        Claim("The transient is less than 5 cm", "departure", "z", "below", 4.0, 19.0, "cm", high=5.0, source=_CIRCLE),
-        Claim(
+        at_most("The transient is less than 5 cm", Measure("departure", "z", "cm", 4.0, 19.0), 5.0, _CIRCLE),
+        at_most(
             "It has died before the plate is struck again",
-            "max_modification",
-            "z",
-            "below",
-            19.0,
-            19.8,
-            "mm",
-            high=2.0 * COUNT_MM,
-            source=_CIRCLE,
+            Measure("max_modification", "z", "mm", 19.0, 19.8),
+            2.0 * COUNT_MM,
+            _CIRCLE,
         ),
-        Claim(
+        between(
             "The plate is struck once, without bouncing",
-            "contacts",
-            "force",
-            "within",
-            3.5,
-            8.0,
-            "counts",
-            low=1.0,
-            high=1.0,
-            source=_NO_INSTABILITY,
+            Measure("contacts", "force", "counts", 3.5, 8.0),
+            1.0,
+            1.0,
+            _NO_INSTABILITY,
         ),
-        Claim(
+        at_most(
             "The control does not bang while the tool presses down",
-            "control_reversals",
-            "q2",
-            "below",
-            4.5,
-            7.0,
-            "counts",
-            high=1.0,
-            source=_NO_INSTABILITY,
+            Measure("control_reversals", "q2", "counts", 4.5, 7.0),
+            1.0,
+            _NO_INSTABILITY,
         ),
-        Claim(
+        at_least(
             "The control oscillates just before contact is lost",
-            "control_swings",
-            "q2",
-            "above",
-            8.5,
-            10.5,
-            "counts",
-            low=4.0,
-            source='thesis 5.5: "Some oscillation in control signal and force were observed just before losing contact '
-            "with the plate "
-            '(Figure 5-10 & Figure 5-12)."',
+            Measure("control_swings", "q2", "counts", 8.5, 10.5),
+            4.0,
+            _BEFORE_LOSS,
         ),
     )
 
@@ -303,59 +225,27 @@ def _circle() -> tuple[Claim, ...]:
 _PUSH_S, _PUSH_END_S = 1.0, 8.5  # the crate is struck at about 1.9 s; the nominal motion ends at 8.7 s
 _CRATE = {
     "fig-5-13": (
-        Claim(
-            "The tool lags by about 3 cm", "mean_lag", "x", "within", 7.0, _PUSH_END_S, "cm", low=2.5, high=3.5, source=_CRATE_LAG
-        ),
-        Claim(
-            "The mean force is 140 N", "mean", "force", "within", 7.0, _PUSH_END_S, "N", low=130.0, high=150.0, source=_CRATE_LAG
-        ),
-        Claim(
+        between("The tool lags by about 3 cm", Measure("mean_lag", "x", "cm", 7.0, _PUSH_END_S), 2.5, 3.5, _CRATE_LAG),
+        between("The mean force is 140 N", Measure("mean", "force", "N", 7.0, _PUSH_END_S), 130.0, 150.0, _CRATE_LAG),
+        between(
             "The force oscillates for about 5 s",
-            "settling_time_s",
-            "force",
-            "within",
-            1.9,
-            _PUSH_END_S,
-            "s",
-            low=4.0,
-            high=6.0,
-            source=_CRATE_NUDGES,
-        ),
-        Claim(
-            "The tool backs up for another go",
-            "retreat",
-            "x",
-            "above",
-            1.5,
+            Measure("settling_time_s", "force", "s", 1.9, _PUSH_END_S),
             4.0,
-            "mm",
-            low=2.0 * SLIDE_COUNT_MM,
-            source='thesis 5.6: "upon initially striking the crate, the manipulator actually backed up for another go at it."',
+            6.0,
+            _CRATE_NUDGES,
         ),
-        Claim(
-            "The crate is struck repeatedly",
-            "spikes",
-            "force",
-            "above",
-            _PUSH_S,
-            _PUSH_END_S,
-            "counts",
-            low=2.0,
-            source=_CRATE_SPIKES,
+        at_least("The tool backs up for another go", Measure("retreat", "x", "mm", 1.5, 4.0), 2.0 * SLIDE_COUNT_MM, _BACKED_UP),
+        at_least(
+            "The crate is struck repeatedly", Measure("spikes", "force", "counts", _PUSH_S, _PUSH_END_S), 2.0, _CRATE_SPIKES
         ),
     ),
     "fig-5-14": (
-        Claim(
+        between(
             "There is a single spike of force",
-            "spikes",
-            "force",
-            "within",
-            _PUSH_S,
-            _PUSH_END_S,
-            "counts",
-            low=1.0,
-            high=1.0,
-            source=_CRATE_SPIKES,
+            Measure("spikes", "force", "counts", _PUSH_S, _PUSH_END_S),
+            1.0,
+            1.0,
+            _CRATE_SPIKES,
         ),
     ),
 }

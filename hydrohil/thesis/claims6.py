@@ -5,6 +5,7 @@ of the positioning ability, and the force of two counts on k_eff: a fiftieth of 
 the encoder. "Approximate" levels are true to a twentieth of the step. Limit cycles are told as in chapter 7.
 """
 
+from hydrohil.claims.bands import Measure, at_least, at_most, between
 from hydrohil.claims.claims import Claim
 from hydrohil.claims.pairs import PairClaim
 from hydrohil.claims.signals import COUNT_RAD
@@ -61,27 +62,22 @@ FIGURES = {50.0: ("6-6", "6-7", 99.0), 500.0: ("6-8", "6-9", 92.0), 5000.0: ("6-
 
 def _level(level_n: float, start_s: float, end_s: float, source: str) -> Claim:
     words, band_n = f"The force ends near {level_n:g} N", TWENTIETH * STEP_N
-    return Claim(
-        words, "mean", "force", "within", start_s, end_s, "N", low=level_n - band_n, high=level_n + band_n, source=source
-    )
+    return between(words, Measure("mean", "force", "N", start_s, end_s), level_n - band_n, level_n + band_n, source)
 
 
 def _cycling(source: str) -> Claim:
     """More than one cycle in the second half."""
-    return Claim("The link cycles", "cycles", "q2", "above", claims7.HALF_S, claims7.END_S, "counts", low=2.0, source=source)
+    return at_least("The link cycles", Measure("cycles", "q2", "counts", claims7.HALF_S, claims7.END_S), 2.0, source)
 
 
 def _prolonged(stiffness_n_per_m: float) -> tuple[Claim, ...]:
     """The set-point keeps integrating: limit cycles at every stiffness, around the same force as by the first formulation."""
     level_n = round(STEP_N * SOFT_ESTIMATE_N_PER_M / (stiffness_n_per_m + SOFT_ESTIMATE_N_PER_M))
-    return (
-        _level(level_n, claims7.HALF_S, claims7.END_S, _SAME_SET_POINT),
-        _cycling(_NO_STEADY_STATE),
-    )
+    return (_level(level_n, claims7.HALF_S, claims7.END_S, _SAME_SET_POINT), _cycling(_NO_STEADY_STATE))
 
 
-_RESTS = Claim(
-    "There is no limit cycle", "cycles", "q2", "below", claims7.RESPONSE_S, claims7.END_S, "counts", source=_STIFF_IS_STABLE
+_RESTS = at_most(
+    "There is no limit cycle", Measure("cycles", "q2", "counts", claims7.RESPONSE_S, claims7.END_S), 0.0, _STIFF_IS_STABLE
 )
 CLAIMS: dict[str, tuple[Claim, ...]] = {
     **{
@@ -99,14 +95,14 @@ def _alike(impedance: str, explicit: str) -> tuple[PairClaim, ...]:
     """The equivalent controller set against the impedance controller."""
     force = PairClaim(
         "The force follows the same course",
-        f"fig-{explicit}",
-        f"fig-{impedance}",
-        "correlation",
-        "force",
-        "above",
-        0.0,
-        END_S,
-        "1",
+        of=f"fig-{explicit}",
+        against=f"fig-{impedance}",
+        measure="correlation",
+        channel="force",
+        comparison="above",
+        start_s=0.0,
+        end_s=END_S,
+        unit="1",
         low=VERY_HIGH,
         source=_CORRELATED,
     )
@@ -138,15 +134,15 @@ def _less_force(of: str, against: str) -> PairClaim:
     """A stiffer model leaves less of the set-point to the environment."""
     return PairClaim(
         "The stiffer model bears more of the set-point",
-        f"fig-{of}",
-        f"fig-{against}",
-        "metric_ratio",
-        "force",
-        "below",
-        STEADY_S,
-        END_S,
-        "1",
-        "mean",
+        of=f"fig-{of}",
+        against=f"fig-{against}",
+        measure="metric_ratio",
+        channel="force",
+        comparison="below",
+        start_s=STEADY_S,
+        end_s=END_S,
+        unit="1",
+        metric="mean",
         high=1.0,
         source=_SHARED,
     )

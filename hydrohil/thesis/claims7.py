@@ -6,6 +6,7 @@ the second half of the trial, or at any time where cycles are "sporadic"; "appro
 to increase" as any increase.
 """
 
+from hydrohil.claims.bands import Measure, at_least, at_most, between
 from hydrohil.claims.claims import Claim
 from hydrohil.claims.pairs import PairClaim
 from hydrohil.thesis.claims5 import BREAK_AWAY_MA
@@ -46,35 +47,29 @@ _LIGHT = 'thesis 7.2: "Conversely, a trial using a low mass and high stiffness f
 
 def _cycles(source: str, start_s: float = HALF_S) -> Claim:
     """More than one cycle from `start_s` on."""
-    return Claim("The link cycles", "cycles", "q2", "above", start_s, END_S, "counts", low=2.0, source=source)
+    return at_least("The link cycles", Measure("cycles", "q2", "counts", start_s, END_S), 2.0, source)
 
 
 def _regular() -> tuple[Claim, ...]:
     """What the text says of the cycles at 50 and 500 N/m."""
-    amplitude = Claim("The cycles are of about 3 mm", "cycle_amplitude", "z", "within", HALF_S, END_S, "mm", source=_AMPLITUDE)
+    along_z = Measure("cycle_amplitude", "z", "mm", HALF_S, END_S)
+    of_link = Measure("cycle_amplitude", "q2", "deg", HALF_S, END_S)
     return (
         _cycles(_EVENTUAL),
-        amplitude._replace(low=2.5, high=3.5),
-        amplitude._replace(
-            statement="The cycles are of about 0.17 deg of up/down motion", channel="q2", unit="deg", low=0.143, high=0.2
-        ),
-        Claim(
+        between("The cycles are of about 3 mm", along_z, 2.5, 3.5, _AMPLITUDE),
+        between("The cycles are of about 0.17 deg of up/down motion", of_link, 0.143, 0.2, _AMPLITUDE),
+        at_least(
             "The set-point mostly moves away from where the link stands",
-            "yielding_share",
-            "q2",
-            "above",
-            HALF_S,
-            END_S,
-            "1",
-            low=0.5,
-            source=_SOURCE,
+            Measure("yielding_share", "q2", "1", HALF_S, END_S),
+            0.5,
+            _SOURCE,
         ),
     )
 
 
 def _stable(source: str) -> tuple[Claim, ...]:
     """No limit cycle: once the response is over, the link rests."""
-    rests = Claim("There is no limit cycle", "cycles", "q2", "below", RESPONSE_S, END_S, "counts", source=source)
+    rests = at_most("There is no limit cycle", Measure("cycles", "q2", "counts", RESPONSE_S, END_S), 0.0, source)
     return (rests, rests._replace(statement="The link rests within two counts", metric="peak_to_peak_counts", high=2.0))
 
 
@@ -83,7 +78,7 @@ CLAIMS: dict[str, tuple[Claim, ...]] = {
     "fig-7-2": _regular(),
     "fig-7-3": (
         _cycles(_EVENTUAL, 0.0),
-        Claim("The cycles become sporadic", "pause_ratio", "q2", "above", 0.0, END_S, "1", low=2.0, source=_SPORADIC),
+        at_least("The cycles become sporadic", Measure("pause_ratio", "q2", "1", 0.0, END_S), 2.0, _SPORADIC),
     ),
     "fig-7-4": (
         *_stable(_NONE),
@@ -92,21 +87,29 @@ CLAIMS: dict[str, tuple[Claim, ...]] = {
     "fig-7-5": (_cycles(_HEAVY),),
     "fig-7-6": (
         *_stable(_LIGHT),
-        Claim(
+        at_most(
             "The control stays below the break-away of 88 mA",
-            "control_peak",
-            "q2",
-            "below",
-            RESPONSE_S,
-            END_S,
-            "mA",
-            high=BREAK_AWAY_MA,
-            source=_LIGHT,
+            Measure("control_peak", "q2", "mA", RESPONSE_S, END_S),
+            BREAK_AWAY_MA,
+            _LIGHT,
         ),
     ),
 }
 
-_OVER = PairClaim("", "", "", "metric_ratio", "q2", "above", 0.0, END_S, "1", "cycle_onset_s", low=1.0, source=_ONSET)
+_OVER = PairClaim(
+    "",
+    of="",
+    against="",
+    measure="metric_ratio",
+    channel="q2",
+    comparison="above",
+    start_s=0.0,
+    end_s=END_S,
+    unit="1",
+    metric="cycle_onset_s",
+    low=1.0,
+    source=_ONSET,
+)
 _OFTENER = _OVER._replace(metric="cycle_period_s", comparison="below", low=0.0, high=1.0, source=_FREQUENCY)
 PAIRS = (
     _OVER._replace(statement="Cycles set in later at 50 than at 500 N/m", of="fig-7-1", against="fig-7-2"),

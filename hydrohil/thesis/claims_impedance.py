@@ -4,6 +4,7 @@
 positioning ability. A threshold holds for the reading, noise included. "No more" allows a tenth.
 """
 
+from hydrohil.claims.bands import Measure, at_least, at_most
 from hydrohil.claims.claims import Claim
 from hydrohil.claims.pairs import PairClaim
 from hydrohil.thesis.claims5 import CLAIMS as CHAPTER_5
@@ -39,47 +40,44 @@ _CONTRAST = 'thesis 9.3.4: "The advantages and disadvantages of the different te
 
 def _at_rest(source: str) -> tuple[Claim, ...]:
     """Nothing is asked, so nothing is done."""
-    quiet = Claim("The control does not go from side to side", "control_reversals", "q2", "below", 0.0, REST_END_S, "counts")
-    still = quiet._replace(statement="The link rests within two counts", metric="peak_to_peak_counts", high=2.0)
-    return quiet._replace(source=source), still._replace(source=source)
+    reversals = Measure("control_reversals", "q2", "counts", 0.0, REST_END_S)
+    return (
+        at_most("The control does not go from side to side", reversals, 0.0, source),
+        at_most("The link rests within two counts", reversals._replace(metric="peak_to_peak_counts"), 2.0, source),
+    )
 
 
 SMOOTH, FILTERED = _at_rest(_SMOOTH), _at_rest(_FILTER)
 ROUGH = (
-    Claim(
+    at_least(
         "The noise alone drives the control from side to side",
-        "control_reversals",
-        "q2",
-        "above",
-        0.0,
-        REST_END_S,
-        "counts",
-        low=1.0,
-        source=_SMOOTH,
+        Measure("control_reversals", "q2", "counts", 0.0, REST_END_S),
+        1.0,
+        _SMOOTH,
     ),
 )
 _PATH = ("maximum", "max_deviation", "departure", "max_modification", "contacts")
 PATH = tuple(claim for claim in CHAPTER_5["fig-5-9"] if claim.metric in _PATH)  # what 5.5 says of force, path and bounces
 HELD = {True: CHAPTER_5["fig-5-5"], False: CHAPTER_5["fig-5-6"]}  # by soft plate
-UNHELD = (
-    Claim(
-        "A low target stiffness still cycles",
-        "cycles",
-        "q2",
-        "above",
-        10.0,
-        20.0,
-        "counts",
-        low=2.0,
-        source=_CONSTRAINT,
-    ),
-)
+UNHELD = (at_least("A low target stiffness still cycles", Measure("cycles", "q2", "counts", 10.0, 20.0), 2.0, _CONSTRAINT),)
 LIMITED = (
-    Claim("The force stays below 100 N", "maximum", "force", "below", 0.0, CIRCLE_END_S, "N", high=CEILING_N, source=_LIMIT),
+    at_most("The force stays below 100 N", Measure("maximum", "force", "N", 0.0, CIRCLE_END_S), CEILING_N, _LIMIT),
     *(claim for claim in PATH if claim.metric in ("departure", "max_modification")),
 )
 
-_RATIO = PairClaim("", "", "", "metric_ratio", "z", "below", 0.0, REST_END_S, "1", "setpoint_noise", high=1.0)
+_RATIO = PairClaim(
+    "",
+    of="",
+    against="",
+    measure="metric_ratio",
+    channel="z",
+    comparison="below",
+    start_s=0.0,
+    end_s=REST_END_S,
+    unit="1",
+    metric="setpoint_noise",
+    high=1.0,
+)
 
 
 def quieter(of: str, against: str) -> PairClaim:

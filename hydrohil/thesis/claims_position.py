@@ -5,6 +5,7 @@ small ramp and the sine below 0.4 deg peak to peak; a control has stopped oscill
 two seconds of Figure 5-8, if it goes to the other side once and comes back: two swings, half as many.
 """
 
+from hydrohil.claims.bands import Measure, at_most, between
 from hydrohil.claims.claims import Claim
 from hydrohil.claims.metrics import MetricName
 from hydrohil.claims.pairs import PairClaim
@@ -44,14 +45,26 @@ def _final(pattern: str) -> tuple[Claim, ...]:
 
 
 _SMALL_S = (claims4.SMALL_SINE_S, claims4.SINE_S)
-_SMALL_SWINGS = Claim(
-    "Small swings neither stick nor overshoot", "cycle_ratio", "q2", "within", *_SMALL_S, "1", low=HALF, high=1.0, source=_ROBUST
+_SMALL_SWINGS = between(
+    "Small swings neither stick nor overshoot", Measure("cycle_ratio", "q2", "1", *_SMALL_S), HALF, 1.0, _ROBUST
 )
 
 
 def _against(words: str, of: str, figure: str, metric: MetricName, window_s: tuple[float, float], most: float) -> PairClaim:
-    claim = PairClaim(words, of, figure, "metric_ratio", "q2", "below", *window_s, "1", metric, high=most)
-    return claim._replace(source=_ROBUST if of.startswith("robust") else _AWARE)
+    return PairClaim(
+        words,
+        of=of,
+        against=figure,
+        measure="metric_ratio",
+        channel="q2",
+        comparison="below",
+        start_s=window_s[0],
+        end_s=window_s[1],
+        unit="1",
+        metric=metric,
+        high=most,
+        source=_ROBUST if of.startswith("robust") else _AWARE,
+    )
 
 
 def _trajectory(of: str, figure: str) -> PairClaim:
@@ -66,19 +79,14 @@ def _force(of: str, figure: str) -> PairClaim:
 
 def _quiet(window_s: tuple[float, float]) -> Claim:
     words = "The control no longer oscillates while moving up"
-    return Claim(words, "control_swings", "q2", "below", *window_s, "counts", high=THERE_AND_BACK, source=_AWARE)
+    return at_most(words, Measure("control_swings", "q2", "counts", *window_s), THERE_AND_BACK, _AWARE)
 
 
-_ALIKE = Claim(
+_ALIKE = at_most(
     "Moving up, the control swings no more than moving down",
-    "upward_swing_ratio",
-    "q2",
-    "below",
-    0.0,
-    claims5.END_S,
-    "1",
-    high=1.0,
-    source=_AWARE,
+    Measure("upward_swing_ratio", "q2", "1", 0.0, claims5.END_S),
+    1.0,
+    _AWARE,
 )
 _TRACKED, _SMALL_MOTION = claims5.CLAIMS["fig-5-7"], claims5.CLAIMS["fig-5-8"][:2]
 CLAIMS: dict[str, tuple[Claim, ...]] = {

@@ -79,11 +79,11 @@ def braking_step(bench: Bench, gains: LinkGains, tried: tuple[Braked, ...], best
     if best is not None:
         decision = f"{best.ka_a_s_per_q / printed:.4g} mA s/{name}: errors {cost(best, tried[0]):.0%} of those without braking"
     return Step(
-        6,
-        "braking acceleration: optimum K_a, final law",
-        "least error on the fastest ramp and the sine, each over its error without braking",
-        (f"K_a mA s/{name}", f"ramp rms {name}", f"sine rms {name}", "mean share", f"ramp over {name}", "sine swing"),
-        tuple(
+        number=6,
+        title="braking acceleration: optimum K_a, final law",
+        rule="least error on the fastest ramp and the sine, each over its error without braking",
+        columns=(f"K_a mA s/{name}", f"ramp rms {name}", f"sine rms {name}", "mean share", f"ramp over {name}", "sine swing"),
+        rows=tuple(
             (
                 o.ka_a_s_per_q / printed,
                 o.ramp_q / scale,
@@ -94,6 +94,6 @@ def braking_step(bench: Bench, gains: LinkGains, tried: tuple[Braked, ...], best
             )
             for o in sorted(tried)
         ),
-        decision,
-        None if best is None else gains._replace(ka_a_s_per_q=best.ka_a_s_per_q),
+        decision=decision,
+        gains=None if best is None else gains._replace(ka_a_s_per_q=best.ka_a_s_per_q),
     )

@@ -66,13 +66,13 @@ def proportional_step(bench: Bench, gains: LinkGains, found: Found) -> Step:
         value = best.value / criteria.margin
         decision = f"largest stable {best.value / printed:.4g} over the margin {criteria.margin:g}: {value / printed:.4g} {name}"
     return Step(
-        1,
-        "maximum stable proportional gain, linear P control",
-        f"large ramp: error ripple above {criteria.ripple_counts:g} counts dies away at constant speed; no hunting at rest",
-        (f"K_P {name}", "ripple early", "late, counts", "turns at rest", "speed/set", "stable"),
-        tuple((one.value / printed, *one.numbers, yes(one.passed)) for one in found.tried),
-        decision,
-        None if value is None else gains._replace(kp_a_per_q=value),
+        number=1,
+        title="maximum stable proportional gain, linear P control",
+        rule=f"large ramp: error ripple above {criteria.ripple_counts:g} counts dies away at constant speed; no hunting at rest",
+        columns=(f"K_P {name}", "ripple early", "late, counts", "turns at rest", "speed/set", "stable"),
+        rows=tuple((one.value / printed, *one.numbers, yes(one.passed)) for one in found.tried),
+        decision=decision,
+        gains=None if value is None else gains._replace(kp_a_per_q=value),
     )
 
 
@@ -113,10 +113,10 @@ def integral_step(bench: Bench, gains: LinkGains, found: Found) -> Step:
     if best is not None:
         decision = f"largest {best.value / printed:.4g} {name}" + ("" if found.bounded else ": no limit was met")
     return Step(
-        2,
-        "maximum integral gain, linear PI",
-        f"large step: wind-up overshoots by at most {criteria.windup_share:.0%} of it; large ramp as in step 1",
-        (
+        number=2,
+        title="maximum integral gain, linear PI",
+        rule=f"large step: wind-up overshoots by at most {criteria.windup_share:.0%} of it; large ramp as in step 1",
+        columns=(
             f"K_I {name}",
             "overshoot/step",
             "ripple early",
@@ -125,7 +125,7 @@ def integral_step(bench: Bench, gains: LinkGains, found: Found) -> Step:
             f"ramp rms {unit(bench.link)}",
             "good",
         ),
-        tuple((o.value / printed, *o.numbers[:4], o.numbers[4] / scale, yes(o.passed)) for o in found.tried),
-        decision,
-        None if best is None else gains._replace(linear_ki_a_per_q_s=best.value),
+        rows=tuple((o.value / printed, *o.numbers[:4], o.numbers[4] / scale, yes(o.passed)) for o in found.tried),
+        decision=decision,
+        gains=None if best is None else gains._replace(linear_ki_a_per_q_s=best.value),
     )

@@ -114,14 +114,14 @@ def integral_step(bench: Bench, tuned: Tuned) -> Step:
     if best is not None:
         decision = f"{best.value / printed:.4g} {name}: {limit(tuned.integral, best, criteria, printed)}"
     return Step(
-        3,
-        "optimum K_I, modified Morse law",
-        f"least error of the fastest ramp; nothing rings or hunts, the small step overshoots by at most "
+        number=3,
+        title="optimum K_I, modified Morse law",
+        rule=f"least error of the fastest ramp; nothing rings or hunts, the small step overshoots by at most "
         f"{criteria.overshoot_counts:g} counts, the sine's large swings by at most {criteria.swing_ratio - 1.0:.0%}",
-        (f"K_I {name}", *seen(bench)),
-        tuple((o.value / printed, o.numbers[0] / scale, *o.numbers[1:], yes(o.passed)) for o in tuned.integral.tried),
-        decision,
-        tuned.with_integral,
+        columns=(f"K_I {name}", *seen(bench)),
+        rows=tuple((o.value / printed, o.numbers[0] / scale, *o.numbers[1:], yes(o.passed)) for o in tuned.integral.tried),
+        decision=decision,
+        gains=tuned.with_integral,
     )
 
 
@@ -133,13 +133,13 @@ def alpha_step(bench: Bench, tuned: Tuned) -> Step:
     if tuned.gains is not None:
         decision = f"{tuned.gains.alpha_max_q2_per_s2 / square:.4g} {name}"
     return Step(
-        4,
-        "alpha_max: optimum alpha, modified Morse law",
-        f"the smallest alpha whose error on the fastest ramp is within {cost:.0%} of the least; patterns as in step 3",
-        (f"alpha {name}", *seen(bench)),
-        tuple((o.value / square, o.numbers[0] / scale, *o.numbers[1:], yes(o.passed)) for o in tuned.alphas),
-        decision,
-        tuned.gains,
+        number=4,
+        title="alpha_max: optimum alpha, modified Morse law",
+        rule=f"the smallest alpha whose error on the fastest ramp is within {cost:.0%} of the least; patterns as in step 3",
+        columns=(f"alpha {name}", *seen(bench)),
+        rows=tuple((o.value / square, o.numbers[0] / scale, *o.numbers[1:], yes(o.passed)) for o in tuned.alphas),
+        decision=decision,
+        gains=tuned.gains,
     )
 
 

@@ -65,15 +65,15 @@ def stiction_step(bench: Bench, gains: LinkGains, tried: tuple[Breakaway, ...]) 
             boost_positive_a=positive, boost_negative_a=negative, boost_below_a=share * min(positive, negative)
         )
     return Step(
-        5,
-        "threshold where the control overcomes stiction and deadband",
-        f"P control, set-point so slow that the current rises by {SLOW_A_PER_S / A_PER_MA:g} mA/s: "
+        number=5,
+        title="threshold where the control overcomes stiction and deadband",
+        rule=f"P control, set-point so slow that the current rises by {SLOW_A_PER_S / A_PER_MA:g} mA/s: "
         "largest current before the second encoder count; median of places",
-        (f"place {unit(bench.link)}", "current rises, mA/s", "direction", "broke loose at, mA"),
-        tuple(
+        columns=(f"place {unit(bench.link)}", "current rises, mA/s", "direction", "broke loose at, mA"),
+        rows=tuple(
             (o.place_q / rad_per_unit(bench.link), o.rate_a_per_s / A_PER_MA, f"{o.direction:+d}", o.current_a / A_PER_MA)
             for o in tried
         ),
-        decision,
-        tuned,
+        decision=decision,
+        gains=tuned,
     )

@@ -8,7 +8,17 @@ from hydrohil.claims.signals import COUNT_RAD
 from hydrohil.shared.units import RAD_PER_DEG
 from tests.hydrohil.claims.test_trace import link, standing
 
-CLAIM = Claim("the force is 100 N", "mean", "force", "within", 1.0, 2.0, "N", low=94.0, high=106.0)
+CLAIM = Claim(
+    "the force is 100 N",
+    metric="mean",
+    channel="force",
+    comparison="within",
+    start_s=1.0,
+    end_s=2.0,
+    unit="N",
+    low=94.0,
+    high=106.0,
+)
 
 
 def pushing(force_n, duration_s=3.0):

@@ -6,8 +6,31 @@ import pytest
 from hydrohil.claims.pairs import PairClaim, judge_pair
 from tests.hydrohil.claims.test_trace import standing
 
-RATIO = PairClaim("", "one", "other", "metric_ratio", "force", "below", 1.0, 2.0, "1", "mean", high=0.5)
-APART = PairClaim("", "one", "other", "rms_difference", "force", "below", 1.0, 2.0, "N", high=3.0)
+RATIO = PairClaim(
+    "",
+    of="one",
+    against="other",
+    measure="metric_ratio",
+    channel="force",
+    comparison="below",
+    start_s=1.0,
+    end_s=2.0,
+    unit="1",
+    metric="mean",
+    high=0.5,
+)
+APART = PairClaim(
+    "",
+    of="one",
+    against="other",
+    measure="rms_difference",
+    channel="force",
+    comparison="below",
+    start_s=1.0,
+    end_s=2.0,
+    unit="N",
+    high=3.0,
+)
 
 
 def pushing(force_n, duration_s=3.0):

@@ -41,7 +41,16 @@ def test_state_space_and_the_formulae_of_the_thesis_are_one_system(name, spool_a
 
 
 def test_contact_is_the_fourth_order_of_the_thesis_and_free_motion_the_second():
-    arm = Arm(100.0, 30.0, 20.0, 46e3, 600.0, 64.0, 5.0, 7e3)
+    arm = Arm(
+        mass_kg=100.0,
+        damping_ns_per_m=30.0,
+        stiffness_n_per_m=20.0,
+        sensor_stiffness_n_per_m=46e3,
+        sensor_damping_ns_per_m=600.0,
+        environment_mass_kg=64.0,
+        environment_damping_ns_per_m=5.0,
+        environment_stiffness_n_per_m=7e3,
+    )
     above_x, above_f, below = arm_polynomials(arm)
     s = 3.0 + 2.0j
     inner, outer = 64.0 * s**2 + 605.0 * s + 53e3, 100.0 * s**2 + 30.0 * s + 20.0
@@ -159,7 +168,15 @@ def test_a_small_sine_of_current_shakes_the_running_link_as_the_linear_actuator_
     settle_s = max(1.2, 2.0 * period_s)
     for step in range(round((settle_s + period_s) / step_s)):
         t = step * step_s
-        state = link_step(state, LINK, UNIMATE, current_a + shake_a * math.sin(angular * t), 0.0, inertia, step_s)
+        state = link_step(
+            state=state,
+            link=LINK,
+            machine=UNIMATE,
+            current_a=current_a + shake_a * math.sin(angular * t),
+            load_tau=0.0,
+            inertia_tau_s2_per_q=inertia,
+            step_s=step_s,
+        )
         state = state._replace(q=0.0)  # so that the volumes do not change
         rows.append((t + step_s, state.qd))
     t, v = np.array(rows).T

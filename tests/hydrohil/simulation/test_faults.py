@@ -181,7 +181,9 @@ def test_plain_python_breaks_as_the_compiled_trial_does_bit_for_bit(faults):
     broken_rows = tuple(tuple(map(float, row)) for row in fault_table(experiment, SEED))
     out = columns(count)
     start = begin(made, control_start(made.control), intervals)
-    rows = play(made, start, table, broken_rows, noise_n, intervals, out, count).row
+    rows = play(
+        setup=made, underway=start, table=table, faults=broken_rows, noise_n=noise_n, intervals=intervals, out=out, end=count
+    ).row
     compiled = play_local(experiment, SEED)
     assert rows == len(compiled.rows.tick) == count
     for name, plain, machine in zip(out._fields, out, compiled.rows, strict=True):

@@ -124,7 +124,7 @@ def test_plain_python_plays_the_compiled_trial_bit_for_bit():
     made, count, table, noise_n, intervals = plain_parts(experiment, 3)
     out = columns(count)
     start = begin(made, control_start(made.control), intervals)
-    end = play(made, start, table, (), noise_n, intervals, out, count)
+    end = play(setup=made, underway=start, table=table, faults=(), noise_n=noise_n, intervals=intervals, out=out, end=count)
     compiled = play_local(experiment, 3)
     assert end.row == count == len(compiled.rows.tick)
     for name, plain, machine in zip(out._fields, out, compiled.rows, strict=True):

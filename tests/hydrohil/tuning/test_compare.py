@@ -21,7 +21,7 @@ from tests.support.tuning_scene import EXPERIMENT, GAINS
 
 
 def step(rows):
-    return Step(1, "", "", (), tuple(rows), "", None)
+    return Step(number=1, title="", rule="", columns=(), rows=tuple(rows), decision="", gains=None)
 
 
 def test_the_unimate_is_set_against_table_2_whatever_gains_the_experiment_has():
