@@ -16,7 +16,7 @@ from hydrohil.faulttest.simulations import Bools, crossed, ended
 from hydrohil.faulttest.trial import Trial
 from hydrohil.shared.contract.converters import N_PER_FORCE_COUNT
 from hydrohil.shared.contract.messages import NO_TRIAL, Mode, TripCause
-from hydrohil.simulation.loop import Columns
+from hydrohil.simulation.columns import Columns
 from hydrohil.simulation.rollout import play_local
 from hydrohil.thesis.chapter5 import TIP_Z_M, sampled
 

@@ -21,7 +21,7 @@ from hydrohil.faulttest.simulations import PLAYED_S, at, ended, moved
 from hydrohil.faulttest.trial import Trial
 from hydrohil.shared.contract.messages import Mode
 from hydrohil.shared.units import NS_PER_S, SUBSTEP_NS
-from hydrohil.simulation.loop import Columns
+from hydrohil.simulation.columns import Columns
 from hydrohil.simulation.rollout import play_local
 
 PRESSING = (  # each on its own; hard and soft, light and heavy, loose and stiff

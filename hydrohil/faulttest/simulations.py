@@ -18,7 +18,7 @@ from hydrohil.shared.contract.faults import Fault, ticks_of
 from hydrohil.shared.contract.messages import GateCause, Mode, TripCause
 from hydrohil.shared.trips.causes import trip_words
 from hydrohil.shared.units import NS_PER_S, SUBSTEP_S
-from hydrohil.simulation.loop import Columns
+from hydrohil.simulation.columns import Columns
 from hydrohil.simulation.rollout import Outcome, play_local
 from hydrohil.simulation.tips import tips_m
 

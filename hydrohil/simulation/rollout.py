@@ -24,7 +24,8 @@ from hydrohil.services.supervisor.step import SupervisorMemory
 from hydrohil.shared.compiled.kernel import compiled
 from hydrohil.shared.contract.faults import problem
 from hydrohil.shared.units import NS_PER_S, SUBSTEP_NS
-from hydrohil.simulation.loop import Columns, Setup, Underway, begin, columns, play
+from hydrohil.simulation.columns import Columns, columns
+from hydrohil.simulation.loop import Setup, Underway, begin, play
 
 SEGMENT_COLUMNS = 9
 
@@ -48,7 +49,7 @@ def duration_ticks(duration_s: float, plant: PlantConfig) -> int:
 
 
 def fault_table(experiment: Experiment, seed: int) -> Any:
-    """Rows of what breaks, shape (n, 6); raises ValueError with one line for what a local run cannot break."""
+    """What breaks, a row each, (n, 6). Raises ValueError with one line for what cannot be broken on the local clock."""
     for fault in experiment.faults:
         if what := problem(fault, "local"):
             raise ValueError(what)
@@ -78,47 +79,56 @@ def setup(experiment: Experiment, limits: GateLimits) -> Setup:
 
 def play_local(experiment: Experiment, seed: int, limits: GateLimits | None = None) -> Outcome:
     """Run `experiment` in one compiled loop with the noise and jitter of `seed`."""
-    made = setup(experiment, limits or GateLimits())
-    count = made.supervise.duration_ticks - made.first_tick
-    machine = experiment.plant.machine
-    noise_n = force_noise_n(seed, made.first_tick, count, machine.force_noise_sigma_n, machine.force_noise_clip_n)
-    intervals = sample_intervals(
-        seed, made.first_tick, count, experiment.plant.sample_period_substeps, experiment.plant.jitter_substeps
-    )
+    prepared = setup(experiment, limits or GateLimits())
+    first, plant, machine = prepared.first_tick, experiment.plant, experiment.plant.machine
+    count = prepared.supervise.duration_ticks - first
+    noise_n = force_noise_n(seed, first, count, machine.force_noise_sigma_n, machine.force_noise_clip_n)
+    intervals = sample_intervals(seed, first, count, plant.sample_period_substeps, plant.jitter_substeps)
     table = np.array(segment_table(experiment.reference), dtype=np.float64).reshape(-1, SEGMENT_COLUMNS)
-    broken = fault_table(experiment, seed)
-    out = columns(count)
+    faults, out = fault_table(experiment, seed), columns(count)
     if "play" not in _compiled:
         _compiled["play"] = compiled(play)
 
-    def go_on(made: Setup, underway: Underway, end: int) -> Underway:
-        return Underway(*_compiled["play"](made, underway, table, broken, noise_n, intervals, out, end))
+    def play_to(prepared: Setup, underway: Underway, end: int) -> Underway:
+        return Underway(
+            *_compiled["play"](
+                setup=prepared,
+                underway=underway,
+                table=table,
+                faults=faults,
+                noise_n=noise_n,
+                intervals=intervals,
+                out=out,
+                end=end,
+            )
+        )
 
-    start = begin(made, control_start(made.control), intervals)
-    end = _play_schedule(experiment, made, start, count, go_on)
+    start = begin(prepared, control_start(prepared.control), intervals)
+    end = _play_schedule(experiment, prepared, start, count, play_to)
     return Outcome(
-        _rows(out, slice(end.row)),
-        made.first_tick,
-        made.latch_substeps * SUBSTEP_NS,
-        SupervisorMemory(*end.watch),
-        GateMemory(*end.gate),
+        rows=_rows(out, slice(end.row)),
+        first_tick=first,
+        latch_ns=prepared.latch_substeps * SUBSTEP_NS,
+        supervisor=SupervisorMemory(*end.watch),
+        gate=GateMemory(*end.gate),
     )
 
 
 def _play_schedule(
-    experiment: Experiment, made: Setup, underway: Underway, count: int, go_on: Callable[[Setup, Underway, int], Underway]
+    experiment: Experiment, prepared: Setup, underway: Underway, count: int, play_to: Callable[[Setup, Underway, int], Underway]
 ) -> Underway:
     """From one change of the parameters to the next; without any, all at once."""
-    described, period_ns = describe(experiment.plant, made.limits), experiment.plant.sample_period_substeps * SUBSTEP_NS
+    described, period_ns = describe(experiment.plant, prepared.limits), experiment.plant.sample_period_substeps * SUBSTEP_NS
     schedule = ParameterSchedule(experiment.controller, scheduled(experiment.controller, experiment.changes, period_ns))
+    first = prepared.first_tick
     while (row := underway.row) < count and underway.watch.mode == RUNNING:
-        schedule, change = follow(schedule, row, made.first_tick + row, period_ns)
+        schedule, change = follow(schedule, row, first + row, period_ns)
         if change is not None:
             underway = underway._replace(control=handed_over(underway.control, change))
         if moves(schedule, row):
-            made = made._replace(control=controller_params(at(schedule, row), described, made.first_tick))
-        ends = [count, *(tick - made.first_tick for tick, _ in schedule.waiting)]
-        underway = go_on(made, underway, row + 1 if moves(schedule, row + 1) else min(ends))
+            prepared = prepared._replace(control=controller_params(at(schedule, row), described, first))
+        ends = [count, *(tick - first for tick, _ in schedule.waiting)]
+        underway = play_to(prepared, underway, row + 1 if moves(schedule, row + 1) else min(ends))
     return underway
 
 

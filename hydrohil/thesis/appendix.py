@@ -33,7 +33,16 @@ EXPERIMENTS = (
         plant=sampled(
             Environment(kind="plate", stiffness_n_per_m=CHAIR_N_PER_M, surface_m=TIP_Z_M + PRELOAD_N / IN_SERIES_N_PER_M)
         ),
-        controller=ControllerConfig(impedance=ImpedanceConfig(500.0, 50e3, 1.2, "net", IN_SERIES_N_PER_M, True)),
+        controller=ControllerConfig(
+            impedance=ImpedanceConfig(
+                mass_kg=500.0,
+                stiffness_n_per_m=50e3,
+                damping_ratio=1.2,
+                damping="net",
+                environment_n_per_m=IN_SERIES_N_PER_M,
+                setpoint_compensation=True,
+            )
+        ),
         reference=STAIRCASE,
         claims=(at_least("The tool never leaves the object", Measure("minimum", "force", "N", 1.0, DURATION_S), 10.0, _PRESSED),),
     ),

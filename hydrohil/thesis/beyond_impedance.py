@@ -40,7 +40,13 @@ ADAPTATIONS = (
 def light(soft: bool, mass_kg: float, filtered: bool, stiffness_n_per_m: float = COMPLIANT_N_PER_M) -> ImpedanceConfig:
     """The target of 5.5 with another mass and, with `filtered`, the low-pass on the gauge."""
     estimate_n_per_m = SOFT_ESTIMATE_N_PER_M if soft else STIFF_ESTIMATE_N_PER_M
-    target = ImpedanceConfig(mass_kg, stiffness_n_per_m, 1.0, "net", estimate_n_per_m)
+    target = ImpedanceConfig(
+        mass_kg=mass_kg,
+        stiffness_n_per_m=stiffness_n_per_m,
+        damping_ratio=1.0,
+        damping="net",
+        environment_n_per_m=estimate_n_per_m,
+    )
     return target._replace(force_filter="bounded", force_cutoff_hz=CUTOFF_HZ, force_noise_n=NOISE_N) if filtered else target
 
 

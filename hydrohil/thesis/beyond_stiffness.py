@@ -69,12 +69,18 @@ def push(name: str, alias: str, words: str, impedance: ImpedanceConfig, claims: 
         duration_s=END_S,
         plant=plate(SOFT_N_PER_M, PRELOAD_N),
         controller=ControllerConfig(impedance=impedance),
-        reference=(Segment("z", "ramp", START_S, RAMP_S, -DEPTH_M, BLEND_S),),
+        reference=(Segment("z", kind="ramp", start_s=START_S, duration_s=RAMP_S, amount=-DEPTH_M, blend_s=BLEND_S),),
         claims=claims,
     )
 
 
-_SOFT = ImpedanceConfig(MASS_KG, SOFT_TARGET_N_PER_M, NET_DAMPING, "net", SOFT_ESTIMATE_N_PER_M)
+_SOFT = ImpedanceConfig(
+    mass_kg=MASS_KG,
+    stiffness_n_per_m=SOFT_TARGET_N_PER_M,
+    damping_ratio=NET_DAMPING,
+    damping="net",
+    environment_n_per_m=SOFT_ESTIMATE_N_PER_M,
+)
 _STIFF = _SOFT._replace(stiffness_n_per_m=STIFF_TARGET_N_PER_M)
 _SETPOINT_SCALING = _STIFF._replace(apparent_stiffness_n_per_m=SOFT_TARGET_N_PER_M, contact_n=CONTACT_N)
 _GUESSED = _SETPOINT_SCALING._replace(environment_n_per_m=STIFF_ESTIMATE_N_PER_M)

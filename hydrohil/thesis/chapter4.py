@@ -43,8 +43,8 @@ def ramps(start_s: float, height_deg: float, speed_deg_per_s: float, blend_s: fl
     duration_s = height_deg / speed_deg_per_s + blend_s
     height_rad = height_deg * RAD_PER_DEG
     return (
-        Segment("q2", "ramp", start_s, duration_s, height_rad, blend_s),
-        Segment("q2", "ramp", BACK_S + start_s, duration_s, -height_rad, blend_s),
+        Segment("q2", kind="ramp", start_s=start_s, duration_s=duration_s, amount=height_rad, blend_s=blend_s),
+        Segment("q2", kind="ramp", start_s=BACK_S + start_s, duration_s=duration_s, amount=-height_rad, blend_s=blend_s),
     )
 
 
@@ -58,7 +58,9 @@ def steps(start_s: float, height_deg: float) -> tuple[Segment, ...]:
 
 
 SINE_S = 20.0
-DECREASING_SINE = Segment("q2", "sine", 0.0, SINE_S, 1.0 * RAD_PER_DEG, frequency_hz=1.0, amount_end=0.0)
+DECREASING_SINE = Segment(
+    "q2", kind="sine", start_s=0.0, duration_s=SINE_S, amount=1.0 * RAD_PER_DEG, frequency_hz=1.0, amount_end=0.0
+)
 TRAJECTORIES: dict[Pattern, Trajectory] = {
     "large-ramp": Trajectory(-10.0, ramps(claims4.START_S, claims4.LARGE_DEG, 10.0, 0.5)),
     "large-step": Trajectory(-10.0, steps(claims4.START_S, claims4.LARGE_DEG)),

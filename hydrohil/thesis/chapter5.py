@@ -47,7 +47,15 @@ def free_space(figure: str, damping: str, damping_ratio: float, duration_s: floa
         source=f"thesis figure {figure}, section 5.2",
         duration_s=duration_s,
         plant=sampled(Environment()),
-        controller=ControllerConfig(impedance=ImpedanceConfig(125.0, 500.0, damping_ratio, "model", SOFT_ESTIMATE_N_PER_M)),
+        controller=ControllerConfig(
+            impedance=ImpedanceConfig(
+                mass_kg=125.0,
+                stiffness_n_per_m=500.0,
+                damping_ratio=damping_ratio,
+                damping="model",
+                environment_n_per_m=SOFT_ESTIMATE_N_PER_M,
+            )
+        ),
         reference=(Segment("force", "step", STEP_S, amount=FORCE_STEP_N),),
         claims=claims5.CLAIMS[name],
     )
@@ -66,7 +74,16 @@ def force_control(
         source=f"thesis figure {figure}, section {section}",
         duration_s=duration_s,
         plant=plate(SOFT_N_PER_M if soft else STIFF_N_PER_M, PRELOAD_N),
-        controller=ControllerConfig(impedance=ImpedanceConfig(500.0, 50e3, 1.2, "net", estimate_n_per_m, True)),
+        controller=ControllerConfig(
+            impedance=ImpedanceConfig(
+                mass_kg=500.0,
+                stiffness_n_per_m=50e3,
+                damping_ratio=1.2,
+                damping="net",
+                environment_n_per_m=estimate_n_per_m,
+                setpoint_compensation=True,
+            )
+        ),
         reference=reference,
         claims=claims5.CLAIMS[name],
     )
@@ -76,13 +93,21 @@ STATIC_S, DYNAMIC_S = 20.0, 20.0
 STATIC = (Segment("force", "step", STEP_S, amount=FORCE_STEP_N),)
 DYNAMIC = (  # 150 N -+ 100 N, from its lowest point: between 5 and 10 s the force falls, the tool rises
     Segment("force", "step", amount=50.0),
-    Segment("force", "sine", 0.0, DYNAMIC_S, 100.0, frequency_hz=0.1, phase_rad=-math.pi / 2.0),
+    Segment("force", kind="sine", start_s=0.0, duration_s=DYNAMIC_S, amount=100.0, frequency_hz=0.1, phase_rad=-math.pi / 2.0),
 )
 
 RADIUS_M, TURN_S, TURNS = 0.06, 16.0, 2
 CIRCLE = (  # in the x-z plane, from its top, forwards and down; the plate cuts it in half
-    Segment("x", "sine", 0.0, TURNS * TURN_S, RADIUS_M, frequency_hz=1.0 / TURN_S),
-    Segment("z", "sine", 0.0, TURNS * TURN_S, RADIUS_M, frequency_hz=1.0 / TURN_S, phase_rad=math.pi / 2.0),
+    Segment("x", kind="sine", start_s=0.0, duration_s=TURNS * TURN_S, amount=RADIUS_M, frequency_hz=1.0 / TURN_S),
+    Segment(
+        "z",
+        kind="sine",
+        start_s=0.0,
+        duration_s=TURNS * TURN_S,
+        amount=RADIUS_M,
+        frequency_hz=1.0 / TURN_S,
+        phase_rad=math.pi / 2.0,
+    ),
 )
 
 
@@ -97,7 +122,11 @@ def circle(figures: str, soft: bool) -> Experiment:
         source=f"thesis figures {figures}, section 5.5",
         duration_s=TURNS * TURN_S,
         plant=plate(SOFT_N_PER_M if soft else STIFF_N_PER_M, 0.0, RADIUS_M),
-        controller=ControllerConfig(impedance=ImpedanceConfig(50.0, 1e3, 1.0, "net", estimate_n_per_m)),
+        controller=ControllerConfig(
+            impedance=ImpedanceConfig(
+                mass_kg=50.0, stiffness_n_per_m=1e3, damping_ratio=1.0, damping="net", environment_n_per_m=estimate_n_per_m
+            )
+        ),
         reference=CIRCLE,
         claims=claims5.CLAIMS[name],
     )
@@ -105,7 +134,11 @@ def circle(figures: str, soft: bool) -> Experiment:
 
 GAP_M = 0.05  # between the tool and the crate
 PUSH_M, PUSH_M_PER_S, PUSH_BLEND_S = 0.32, 0.04, 0.2
-PUSH = (Segment("x", "ramp", STEP_S, PUSH_M / PUSH_M_PER_S + PUSH_BLEND_S, PUSH_M, PUSH_BLEND_S),)
+PUSH = (
+    Segment(
+        "x", kind="ramp", start_s=STEP_S, duration_s=PUSH_M / PUSH_M_PER_S + PUSH_BLEND_S, amount=PUSH_M, blend_s=PUSH_BLEND_S
+    ),
+)
 
 
 def push(figure: str, alias: str, title: str, controller: ControllerConfig) -> Experiment:
@@ -138,7 +171,15 @@ EXPERIMENTS = (
         "5-13",
         "push-crate-impedance",
         "Push against a crate, impedance control",
-        ControllerConfig(impedance=ImpedanceConfig(500.0, 5e3, 1.0, "model", STIFF_ESTIMATE_N_PER_M)),
+        ControllerConfig(
+            impedance=ImpedanceConfig(
+                mass_kg=500.0,
+                stiffness_n_per_m=5e3,
+                damping_ratio=1.0,
+                damping="model",
+                environment_n_per_m=STIFF_ESTIMATE_N_PER_M,
+            )
+        ),
     ),
     push("5-14", "push-crate-position", "Push against a crate, position control", ControllerConfig(target="cartesian")),
 )

@@ -37,7 +37,13 @@ def equivalence(figure: str, target: Literal["impedance", "explicit"], stiffness
             law="pi",
             target=target,
             acting=(False, True, False),
-            impedance=ImpedanceConfig(MASS_KG, stiffness_n_per_m, NET_DAMPING, "net", SOFT_ESTIMATE_N_PER_M),
+            impedance=ImpedanceConfig(
+                mass_kg=MASS_KG,
+                stiffness_n_per_m=stiffness_n_per_m,
+                damping_ratio=NET_DAMPING,
+                damping="net",
+                environment_n_per_m=SOFT_ESTIMATE_N_PER_M,
+            ),
         ),
         reference=REFERENCE,
         claims=claims6.CLAIMS[name],
@@ -47,11 +53,11 @@ def equivalence(figure: str, target: Literal["impedance", "explicit"], stiffness
 def prolonged(formulation: Literal["setpoint", "measured"], name: str, alias: str, stiffness_n_per_m: float) -> Experiment:
     """Prolonged force control on the soft plate by either formulation: m = 5000 kg, xi_net = 1."""
     impedance = ImpedanceConfig(
-        ALTERNATE_MASS_KG,
-        stiffness_n_per_m,
-        ALTERNATE_NET_DAMPING,
-        "net",
-        SOFT_ESTIMATE_N_PER_M,
+        mass_kg=ALTERNATE_MASS_KG,
+        stiffness_n_per_m=stiffness_n_per_m,
+        damping_ratio=ALTERNATE_NET_DAMPING,
+        damping="net",
+        environment_n_per_m=SOFT_ESTIMATE_N_PER_M,
         formulation=formulation,
     )
     words = {"setpoint": "Proposed", "measured": "Alternate"}[formulation]

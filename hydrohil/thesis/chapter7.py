@@ -15,7 +15,13 @@ from hydrohil.thesis.chapter5 import FORCE_STEP_N, PRELOAD_N, SOFT_ESTIMATE_N_PE
 def prolonged(figure: str, alias: str, words: str, mass_kg: float, stiffness_n_per_m: float, damping_ratio: float) -> Experiment:
     """100 N on the soft plate for four minutes (7.2)."""
     name = f"fig-{figure}"
-    impedance = ImpedanceConfig(mass_kg, stiffness_n_per_m, damping_ratio, "net", SOFT_ESTIMATE_N_PER_M)
+    impedance = ImpedanceConfig(
+        mass_kg=mass_kg,
+        stiffness_n_per_m=stiffness_n_per_m,
+        damping_ratio=damping_ratio,
+        damping="net",
+        environment_n_per_m=SOFT_ESTIMATE_N_PER_M,
+    )
     return Experiment(
         name=name,
         alias=f"prolonged-force-{alias}",

@@ -64,7 +64,8 @@ def _scaled(segment: Segment, link: int, scale: float) -> Segment:
 def slow_ramp(link: int, start_q: float, speed_q_per_s: float, duration_s: float) -> Pattern:
     """A set-point that creeps away for the whole trial, so that a proportional law raises its current slowly."""
     size = speed_q_per_s * duration_s
-    return Pattern("slow ramp", start_q, (Segment(LINKS[link], "ramp", 0.0, duration_s, size),), duration_s, size)
+    creep = Segment(LINKS[link], kind="ramp", start_s=0.0, duration_s=duration_s, amount=size)
+    return Pattern("slow ramp", start_q, (creep,), duration_s, size)
 
 
 def middle_q(experiment: Experiment, link: int, gains: LinkGains) -> float:

@@ -8,7 +8,8 @@ from hydrohil.experiment.experiment import from_plain, to_plain
 from hydrohil.experiment.overrides import with_overrides
 from hydrohil.services.controller.config import ScheduledChange
 from hydrohil.services.controller.step import control_start
-from hydrohil.simulation.loop import Underway, begin, columns
+from hydrohil.simulation.columns import columns
+from hydrohil.simulation.loop import Underway, begin
 from hydrohil.simulation.rollout import _compiled, fault_table, play_local
 from hydrohil.thesis.library import find
 from tests.hydrohil.simulation.test_local import plain_parts, press

@@ -9,7 +9,8 @@ from hydrohil.services.plant.params import UNIMATE
 from hydrohil.services.plant.sensors import MASK, encoder_counts, gauge_counts
 from hydrohil.shared.contract.converters import MIN_FORCE_COUNTS, N_PER_FORCE_COUNT
 from hydrohil.shared.contract.faults import ENCODERS, ROWS, Fault, of_group, ticks_of
-from hydrohil.simulation.loop import begin, columns, play
+from hydrohil.simulation.columns import columns
+from hydrohil.simulation.loop import begin, play
 from hydrohil.simulation.rollout import fault_table, play_local
 from tests.hydrohil.simulation.test_local import PLANT, plain_parts, press
 

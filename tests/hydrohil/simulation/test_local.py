@@ -14,7 +14,8 @@ from hydrohil.services.plant.params import UNIMATE, Environment
 from hydrohil.services.supervisor.config import SupervisorConfig
 from hydrohil.shared.contract.converters import N_PER_FORCE_COUNT
 from hydrohil.shared.contract.messages import GateCause, GateState, Mode, TripCause
-from hydrohil.simulation.loop import begin, columns, play
+from hydrohil.simulation.columns import columns
+from hydrohil.simulation.loop import begin, play
 from hydrohil.simulation.rollout import SEGMENT_COLUMNS, play_local, rollout, setup
 
 SURFACE_M = UNIMATE.a2_m - UNIMATE.a4_m + 0.002  # the plate presses on the tool from the start
@@ -35,7 +36,16 @@ def press(duration_s=2.0, **limits):
         source="test",
         duration_s=duration_s,
         plant=PLANT,
-        controller=ControllerConfig(impedance=ImpedanceConfig(500.0, 50e3, 1.2, "net", 6200.0, True)),
+        controller=ControllerConfig(
+            impedance=ImpedanceConfig(
+                mass_kg=500.0,
+                stiffness_n_per_m=50e3,
+                damping_ratio=1.2,
+                damping="net",
+                environment_n_per_m=6200.0,
+                setpoint_compensation=True,
+            )
+        ),
         supervisor=SupervisorConfig(**limits),
         reference=(Segment("force", "step", 0.1, amount=100.0),),
     )
