@@ -49,8 +49,8 @@ def run(place: cells.Place, given: Any, *, warmups: bool) -> dict[str, Any]:
 
 def baselines(given: Any, place: cells.Place, period_ns: int) -> tuple[list[float], list[float]]:
     """Both baselines in processes of their own, so that the scheduling class is theirs alone."""
-    asked = probe.Asked(place, period_ns, given.baseline_s, not given.no_realtime)
-    return probe.wake_ups(asked)["us"], probe.ping(asked)["us"]
+    settings = probe.Settings(place, period_ns, given.baseline_s, not given.no_realtime)
+    return probe.wake_ups(settings)["us"], probe.ping(settings)["us"]
 
 
 def main() -> int:

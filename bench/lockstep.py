@@ -14,7 +14,7 @@ import rig
 
 from hydrohil.cell import processes as cells
 from hydrohil.qualification.loop import trial_of
-from hydrohil.qualification.probe import Asked, ping
+from hydrohil.qualification.probe import Settings, ping
 from hydrohil.shared.transport.bus import Bus
 
 HURRIED_NS, PINGED_S = 50_000, 0.25  # a period that no round trip keeps; 5000 of them
@@ -23,7 +23,7 @@ RING = 1 << 15
 
 def limit_per_s(given: Any) -> float:
     """Bare round trips a second, in the scheduling class of lockstep; one begins when the one before has ended."""
-    taken_us = ping(Asked(rig.place_of(given), HURRIED_NS, PINGED_S, False))["us"]
+    taken_us = ping(Settings(rig.place_of(given), HURRIED_NS, PINGED_S, False))["us"]
     return 1e6 * len(taken_us) / sum(taken_us)
 
 

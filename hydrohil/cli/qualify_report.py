@@ -1,28 +1,27 @@
-"""What `hydrohil qualify` prints and writes."""
+"""The tables of `hydrohil qualify`."""
 
 import math
 from collections.abc import Sequence
-from typing import Any
 
 from rich.console import Console
 from rich.table import Table
 
 from hydrohil.qualification.grading import GRADES, Figures, late_share, lease_ns
 from hydrohil.qualification.host import Found
-from hydrohil.qualification.record import Tried, plain
+from hydrohil.qualification.qualify import Qualification
+from hydrohil.qualification.record import RateTrial
 from hydrohil.qualification.spread import Spread
-from hydrohil.shared.compiled.kernel import source_version
-from hydrohil.shared.host.qualified import Host, hertz
+from hydrohil.shared.host.qualified import hertz
 
 _US_PER_MS, _NS_PER_US = 1e3, 1e3
 _COLOURS = {True: "green", False: "yellow", None: "dim"}
 
 
-def show(console: Console, facts: Sequence[Found], tried: Sequence[Tried]) -> None:
+def show(console: Console, result: Qualification) -> None:
     """The host, what was measured, and the verdict on each rate."""
-    console.print(_host_table(facts))
-    console.print(_times_table(tried))
-    for one in tried:
+    console.print(_host_table(result.facts))
+    console.print(_times_table(result.trials))
+    for one in result.trials:
         _show_verdict(console, one)
 
 
@@ -33,14 +32,14 @@ def _host_table(facts: Sequence[Found]) -> Table:
     return table
 
 
-def _times_table(tried: Sequence[Tried]) -> Table:
+def _times_table(trials: Sequence[RateTrial]) -> Table:
     table = Table(title="measured, ms", title_justify="left")
     for column in ("rate", "what", "p50", "p99", "p99.9", "max", "and"):
         table.add_column(column, justify="right" if column.startswith(("p", "max")) else "left", overflow="fold")
-    for one in tried:
-        for place, (what, spread, note) in enumerate(rows := _rows(one.figures)):
-            rate = hertz(one.figures.period_ns) if place == 0 else ""
-            table.add_row(rate, what, *map(_ms, spread), note, end_section=place == len(rows) - 1)
+    for one in trials:
+        for number, (what, spread, note) in enumerate(rows := _rows(one.figures)):
+            rate = hertz(one.figures.period_ns) if number == 0 else ""
+            table.add_row(rate, what, *map(_ms, spread), note, end_section=number == len(rows) - 1)
     return table
 
 
@@ -68,7 +67,7 @@ def _share(share: float, digits: int) -> str:
     return f"{share:.{digits}%}" if math.isfinite(share) else "-"
 
 
-def _show_verdict(console: Console, one: Tried) -> None:
+def _show_verdict(console: Console, one: RateTrial) -> None:
     figures, verdict = one.figures, one.verdict
     colour = "green" if verdict.qualified else "red"
     numbers = (
@@ -80,17 +79,3 @@ def _show_verdict(console: Console, one: Tried) -> None:
     console.print(f"{rate}: [bold {colour}]grade {verdict.grade}[/], {GRADES[verdict.grade]}; {numbers}", highlight=False)
     for reason in verdict.reasons:
         console.print(f"  {reason}", highlight=False, markup=False, soft_wrap=True)
-
-
-def as_plain(host: Host, facts: Sequence[Found], tried: Sequence[Tried], *, fifo: bool) -> dict[str, Any]:
-    """Everything for a machine; null is what was not measured."""
-    qualified = [one for one in tried if one.verdict.qualified]
-    return {
-        "host": host._asdict(),
-        "fifo": fifo,
-        "source_version": source_version(),
-        "found": [fact._asdict() for fact in facts],
-        "trials": [plain(one) for one in tried],
-        "qualified_period_ns": min((one.figures.period_ns for one in qualified), default=None),
-        "exit_status": 0 if qualified else 1,
-    }

@@ -1,7 +1,7 @@
 """The rule by which a rate is qualified: measured numbers in, a grade out. Nothing else decides.
 
-Each condition says what must HOLD, so that a number that is missing (NaN) fails. Those that are `borne` must hold for a trial to
-run at all; all of them must hold for a rate to be qualified.
+Each condition says what must HOLD, so that a number that is missing (NaN) fails. Those that are `required_to_run` must hold for a
+trial to run at all; all of them must hold for a rate to be qualified.
 """
 
 import math
@@ -10,9 +10,9 @@ from typing import NamedTuple
 
 from hydrohil.qualification.spread import Spread
 from hydrohil.shared.contract.deadline_window import WINDOW, missed_limit, quality
-from hydrohil.shared.host.lease import MAX_LEASE_NS, MIN_LEASE_NS, lease_wanted_ns
+from hydrohil.shared.host.lease import MAX_LEASE_NS, MIN_LEASE_NS, required_lease_ns
 
-# A tenth of what the supervisor's rule on quality is laid out to bear: a link that loses 1 % each way. A late sample holds the
+# A tenth of what the supervisor's rule on quality allows for: a link that loses 1 % each way. A late sample holds the
 # valves for one period more; ten times as many changed no verdict of fig-4-25, fig-5-5 and fig-5-9 (commands lost in lockstep).
 LATE_SHARE = 0.001
 ENOUGH_SAMPLES = 1000  # fewer cannot show one in a thousand
@@ -20,7 +20,7 @@ _NS_PER_US, _NS_PER_MS = 1e3, 1e6
 GRADES = {
     "A": "every sample on time, and the lease of industrial arms suffices: real runs equal lockstep",
     "B": "qualified",
-    "C": "not qualified; trials run, with more late samples than a claim should bear",
+    "C": "not qualified; trials run, with more late samples than a claim may rest on",
     "D": "not qualified; trials trip, have gaps, or come close to it",
 }
 
@@ -30,7 +30,7 @@ class Figures(NamedTuple):
 
     period_ns: int
     wake_ups_us: Spread = Spread()  # lateness of an empty process on the grid, in the rig's scheduling class
-    wake_ups_shifting: float = math.nan  # of them, later than the plant's grid bears
+    wake_ups_shifting: float = math.nan  # of them, so late that the plant shifts its grid
     wake_ups_skipping: float = math.nan  # of them, later than a period
     limit_us: Spread = Spread()  # the machine's own: the same without the rig's code
     limit_by: str = ""  # who measured it
@@ -54,7 +54,7 @@ class Condition(NamedTuple):
     measured: Callable[[Figures], float]
     holds: Callable[[Figures], bool]
     words: Callable[[Figures], str]  # what does not hold, with its number and limit
-    borne: bool  # must hold for a trial to run at all
+    required_to_run: bool  # must hold for a trial to run at all
 
     def reason(self, figures: Figures) -> str:
         """Why it does not hold."""
@@ -80,13 +80,13 @@ def lost_share(figures: Figures) -> float:
 
 
 def lease_ns(figures: Figures) -> float:
-    """The lease that this host needs, by the plant's own rule over every wake-up seen. NaN where any was not measured."""
+    """The lease that this host needs, by the plant's own rule over every wake-up. NaN where any was not measured."""
     worst_us = (figures.wake_ups_us.max, figures.grid_us.max)
-    return math.nan if any(map(math.isnan, worst_us)) else float(lease_wanted_ns(int(max(worst_us) * _NS_PER_US)))
+    return math.nan if any(map(math.isnan, worst_us)) else float(required_lease_ns(int(max(worst_us) * _NS_PER_US)))
 
 
 def floor(period_ns: int) -> float:
-    """The supervisor's own floor of quality at the lease of industrial arms: a longer lease lowers it, and is no excuse here."""
+    """The supervisor's own floor of quality at the lease of industrial arms: a longer lease would lower it."""
     return quality(missed_limit(MIN_LEASE_NS // period_ns))
 
 
@@ -97,57 +97,59 @@ def _measured(figures: Figures) -> bool:
 
 RULE = (
     Condition(
-        "the end of the trial",
-        lambda _: 0.0,
-        lambda f: f.ended == "",
-        lambda f: f"the trial did not come to its end: {f.ended}",
-        True,
+        what="the end of the trial",
+        measured=lambda _: 0.0,
+        holds=lambda f: f.ended == "",
+        words=lambda f: f"the trial did not come to its end: {f.ended}",
+        required_to_run=True,
     ),
     Condition(
-        "wake-ups, the machine's own, the ping-pong or the loop",
-        lambda f: 0.0 if _measured(f) else math.nan,
-        _measured,
-        lambda _: "",
-        True,
+        what="wake-ups, the machine's own, the ping-pong or the loop",
+        measured=lambda f: 0.0 if _measured(f) else math.nan,
+        holds=_measured,
+        words=lambda _: "",
+        required_to_run=True,
     ),
     Condition(
-        f"the worst {WINDOW} samples",
-        lambda f: f.worst_window,
-        lambda f: f.worst_window >= floor(f.period_ns),
-        lambda f: (
-            f"in the worst {WINDOW} samples {f.worst_window:.0%} were in time, the supervisor wants {floor(f.period_ns):.0%}"
+        what=f"the worst {WINDOW} samples",
+        measured=lambda f: f.worst_window,
+        holds=lambda f: f.worst_window >= floor(f.period_ns),
+        words=lambda f: (
+            f"in the worst {WINDOW} samples {f.worst_window:.0%} were in time, the supervisor asks for {floor(f.period_ns):.0%}"
         ),
-        True,
+        required_to_run=True,
     ),
     Condition(
-        "the lease",
-        lease_ns,
-        lambda f: lease_ns(f) <= MAX_LEASE_NS,
-        lambda f: (
-            f"wake-ups want a lease of {lease_ns(f) / _NS_PER_MS:.0f} ms, at most {MAX_LEASE_NS / _NS_PER_MS:.0f} are given"
+        what="the lease",
+        measured=lease_ns,
+        holds=lambda f: lease_ns(f) <= MAX_LEASE_NS,
+        words=lambda f: (
+            f"wake-ups need a lease of {lease_ns(f) / _NS_PER_MS:.0f} ms, at most {MAX_LEASE_NS / _NS_PER_MS:.0f} are given"
         ),
-        True,
+        required_to_run=True,
     ),
     Condition(
-        "the number of samples",
-        lambda f: float(f.samples),
-        lambda f: f.samples >= ENOUGH_SAMPLES,
-        lambda f: f"{f.samples} samples are too few to show one late in a thousand: {ENOUGH_SAMPLES} are needed (--seconds)",
-        False,
+        what="the number of samples",
+        measured=lambda f: float(f.samples),
+        holds=lambda f: f.samples >= ENOUGH_SAMPLES,
+        words=lambda f: (
+            f"{f.samples} samples are too few to show one late in a thousand: {ENOUGH_SAMPLES} are needed (--seconds)"
+        ),
+        required_to_run=False,
     ),
     Condition(
-        "late samples",
-        late_share,
-        lambda f: late_share(f) <= LATE_SHARE,
-        lambda f: f"{late_share(f):.2%} of the samples were taken or answered late, {LATE_SHARE:.1%} may be",
-        False,
+        what="late samples",
+        measured=late_share,
+        holds=lambda f: late_share(f) <= LATE_SHARE,
+        words=lambda f: f"{late_share(f):.2%} of the samples were taken or answered late, {LATE_SHARE:.1%} may be",
+        required_to_run=False,
     ),
     Condition(
-        "lost frames",
-        lost_share,
-        lambda f: lost_share(f) <= LATE_SHARE,
-        lambda f: f"{f.lost:.0f} frames were lost in {f.samples} samples, {LATE_SHARE:.1%} may be",
-        False,
+        what="lost frames",
+        measured=lost_share,
+        holds=lambda f: lost_share(f) <= LATE_SHARE,
+        words=lambda f: f"{f.lost:.0f} frames were lost in {f.samples} samples, {LATE_SHARE:.1%} may be",
+        required_to_run=False,
     ),
 )
 
@@ -157,7 +159,7 @@ def judge(figures: Figures) -> Verdict:
     broken = [condition for condition in RULE if not condition.holds(figures)]
     reasons = tuple(condition.reason(figures) for condition in broken)
     if broken:
-        return Verdict("D" if any(condition.borne for condition in broken) else "C", False, reasons)
+        return Verdict("D" if any(condition.required_to_run for condition in broken) else "C", False, reasons)
     nothing_late = late_share(figures) == 0 and figures.late_permits == 0 and figures.lost == 0
     perfect = nothing_late and lease_ns(figures) <= MIN_LEASE_NS
     return Verdict("A" if perfect else "B", True, ())
@@ -169,7 +171,7 @@ def is_evidence(figures: Figures) -> bool:
 
 
 def qualified_period_ns(verdicts: dict[int, Verdict]) -> int:
-    """The shortest period (by its ns) that is qualified with no longer one tried in vain; 0 = none."""
+    """The shortest period in ns that is qualified, if no longer one was tried without success; 0 = none."""
     qualified = 0
     for period_ns in sorted(verdicts, reverse=True):
         if not verdicts[period_ns].qualified:

@@ -1,4 +1,4 @@
-"""What a host grants a control loop and how it is set up: as found, and as recommended."""
+"""The host as found and as recommended: what it grants a control loop, and how it is set up."""
 
 import os
 import platform
@@ -16,7 +16,7 @@ class Found(NamedTuple):
 
     what: str
     found: str
-    good: bool | None  # None = it cannot be told
+    good: bool | None  # None = unknown
     advice: str  # what is recommended, and what it is worth
 
 
@@ -26,7 +26,7 @@ def found(granted: dict[str, bool], load: float, root: Path = Path("/")) -> tupl
 
 
 def load_now() -> float:
-    """Processes that wanted to run in the last minute."""
+    """Processes that were ready to run, averaged over the last minute."""
     return os.getloadavg()[0]
 
 
@@ -57,13 +57,13 @@ def _processors(root: Path) -> tuple[Found, ...]:
         ),
         Found(
             "frequency governor",
-            ", ".join(governors) or "cannot be told",
+            ", ".join(governors) or "unknown",
             set(governors) == {"performance"} if governors else None,
             "performance: the clock does not have to rise first",
         ),
         Found(
             "SMT",
-            {"0": "off", "1": "on"}.get(smt, "cannot be told"),
+            {"0": "off", "1": "on"}.get(smt, "unknown"),
             {"0": True, "1": False}.get(smt),
             "off: a sibling shares caches and units with the loop",
         ),
@@ -82,7 +82,12 @@ def _kernel(root: Path, version: str) -> Found:
 
 def _machine(root: Path) -> Found:
     guest = "hypervisor" in _read(root / "proc/cpuinfo").split()
-    return Found("machine", "virtual" if guest else "bare metal", not guest, "bare metal: a hypervisor stalls its guests unseen")
+    return Found(
+        "machine",
+        "virtual" if guest else "bare metal",
+        not guest,
+        "bare metal: a hypervisor stalls its guests unnoticed",
+    )
 
 
 def _busy(load: float) -> Found:

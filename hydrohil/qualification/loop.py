@@ -18,11 +18,11 @@ from hydrohil.thesis.library import find
 
 EXPERIMENT = "fig-4-25"  # a sine in free space, all the way through the law
 _DEPTH = 1 << 20  # frames; 17 minutes at 1 kHz
-_LONGEST_LEASE = ["--permit-ttl-ms", str(MAX_LEASE_NS // 1_000_000)]  # a stall must give a number, not end the trial
+_LONGEST_LEASE = ["--permit-ttl-ms", str(MAX_LEASE_NS // 1_000_000)]  # a stall is to be measured; it must not end the trial
 
 
 def settings(seconds: float, period_substeps: int) -> list[str]:
-    """Changes that make the sine last as long as wanted, at the wanted rate."""
+    """Changes by which the sine lasts for `seconds` at this sampling period."""
     return [
         f"duration_s={float(seconds)}",
         f"reference.0.duration_s={float(seconds)}",
@@ -34,15 +34,21 @@ def settings(seconds: float, period_substeps: int) -> list[str]:
 
 
 def trial_of(seconds: float, period_substeps: int) -> Experiment:
-    """The sine for as long as wanted, at the wanted rate."""
+    """The sine for `seconds` at this sampling period, without jitter and claims."""
     return with_overrides(find(EXPERIMENT), settings(seconds, period_substeps))
 
 
 def loop(
-    place: cells.Place, seconds: float, period_substeps: int, options: list[str], show: Callable[[float], None], figures: Figures
+    place: cells.Place,
+    seconds: float,
+    period_substeps: int,
+    *,
+    options: list[str],
+    report: Callable[[float], None],
+    figures: Figures,
 ) -> Figures:
     """`figures` with those of the loop. Raises CellError where no cell comes up: that says nothing of the host."""
-    made = trial_of(seconds, period_substeps)
+    experiment = trial_of(seconds, period_substeps)
     extra = {service: options for service in cells.LOOP} | {"plant": [*options, *_LONGEST_LEASE]}
     started = cells.start(place, cells.LOOP, with_parent=True, extra=extra)
     try:
@@ -50,18 +56,18 @@ def loop(
             cells.await_ready(place, bus, started)
             samples = bus.subscribe("plant/sample", _DEPTH)
             try:
-                live = run_live(bus, made, 0, "real", show, unqualified=True)
+                live = run_live(bus, experiment, 0, "real", report, unqualified=True)
                 ended, status = live.tripped or live.gap, live.status
             except cells.CellError as error:
                 ended, status = str(error), cells.statuses(bus, cells.LOOP)
-            heard = [message.body for message in samples.drain() if isinstance(message, Received)]
+            received = [message.body for message in samples.drain() if isinstance(message, Received)]
     finally:
         cells.stop(process.pid for process in started.values())
-    return loop_figures(figures, ended, timing(heard, duration_ticks(made.duration_s, made.plant)), status)
+    return loop_figures(figures, ended, timing(received, duration_ticks(experiment.duration_s, experiment.plant)), status)
 
 
-def loop_figures(figures: Figures, ended: str, seen: Timing, status: Mapping[str, Mapping[str, Any]]) -> Figures:
-    """`figures` with what the samples and the services tell; NaN of a service that does not answer."""
+def loop_figures(figures: Figures, ended: str, observed: Timing, status: Mapping[str, Mapping[str, Any]]) -> Figures:
+    """`figures` with those of the samples and of the services' counters; NaN of a service that does not answer."""
     counters: Mapping[str, Any] = status.get("plant", {}).get("counters", {})
     late = counters.get("lateness_us") or {}
     answered = all(service in status for service in cells.LOOP)
@@ -74,8 +80,10 @@ def loop_figures(figures: Figures, ended: str, seen: Timing, status: Mapping[str
         unanswered=float(counters.get("unanswered", math.nan)),
         shifts=float(counters.get("grid_shifts", math.nan)),
         late_permits=float(counters.get("late_permits", math.nan)),
-        lost=float(lost + seen.missing) if answered else math.nan,
-        worst_window=worst_window(seen.in_time),
-        accepted_us=spread(seen.accepted_us),
-        grid_us=Spread(late.get("p50", math.nan), late.get("p99", math.nan), max=counters.get("worst_lateness_us", math.nan)),
+        lost=float(lost + observed.missing) if answered else math.nan,
+        worst_window=worst_window(observed.in_time),
+        accepted_us=spread(observed.accepted_us),
+        grid_us=Spread(
+            p50=late.get("p50", math.nan), p99=late.get("p99", math.nan), max=counters.get("worst_lateness_us", math.nan)
+        ),
     )

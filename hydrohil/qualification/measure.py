@@ -1,4 +1,4 @@
-"""Everything that is measured at one rate, one after the other: nothing disturbs what is being measured."""
+"""All measurements at one rate, one after the other, so that none disturbs another."""
 
 from collections.abc import Callable
 from typing import Any, NamedTuple
@@ -15,8 +15,8 @@ _NS_PER_US = 1000
 STEPS = 3  # measurements before the loop
 
 
-class Wish(NamedTuple):
-    """How long, where, and in which scheduling class."""
+class Settings(NamedTuple):
+    """How long, where, and in which scheduling class to measure."""
 
     place: Place
     seconds: float  # of the loop's trial
@@ -31,22 +31,27 @@ class Measured(NamedTuple):
     granted: dict[str, bool]
 
 
-def measure(wish: Wish, period_substeps: int, show: Callable[[str, float], None]) -> Measured:
-    """One rate. `show` gets what is under way and the seconds that are over. Raises CellError."""
+def measure(settings: Settings, period_substeps: int, report: Callable[[str, float], None]) -> Measured:
+    """One rate. `report` gets the step under way and the seconds that have passed. Raises CellError."""
     period_ns = period_substeps * SUBSTEP_NS
-    asked = probe.Asked(wish.place, period_ns, wish.baseline_s, wish.realtime)
-    show("wake-ups", 0.0)
-    woken = probe.wake_ups(asked)
-    show("the machine's own limit", wish.baseline_s)
-    limit = probe.limit(asked)
-    show("ping-pong", 2 * wish.baseline_s)
-    pinged = probe.ping(asked)
-    over_s = STEPS * wish.baseline_s
-    show("the loop: a cell comes up", over_s)
+    baseline = probe.Settings(settings.place, period_ns, settings.baseline_s, settings.realtime)
+    report("wake-ups", 0.0)
+    woken = probe.wake_ups(baseline)
+    report("the machine's own limit", settings.baseline_s)
+    limit = probe.limit(baseline)
+    report("ping-pong", 2 * settings.baseline_s)
+    pinged = probe.ping(baseline)
+    baselines_s = STEPS * settings.baseline_s
+    report("the loop: a cell comes up", baselines_s)
     figures = baseline_figures(period_ns, woken["us"], limit, pinged)
-    options = [] if wish.realtime else ["--no-realtime"]
+    options = [] if settings.realtime else ["--no-realtime"]
     figures = loop(
-        wish.place, wish.seconds, period_substeps, options, lambda trial_s: show("the loop", over_s + max(0.0, trial_s)), figures
+        settings.place,
+        settings.seconds,
+        period_substeps,
+        options=options,
+        report=lambda trial_s: report("the loop", baselines_s + max(0.0, trial_s)),
+        figures=figures,
     )
     return Measured(figures, woken["granted"])
 

@@ -24,8 +24,8 @@ from hydrohil.shared.transport.endpoints import DEFAULT_PORT
 from hydrohil.shared.units import NS_PER_S
 
 
-class Asked(NamedTuple):
-    """What is to be measured, how often and for how long."""
+class Settings(NamedTuple):
+    """Where to measure, how often and for how long."""
 
     place: Place
     period_ns: int
@@ -33,54 +33,54 @@ class Asked(NamedTuple):
     realtime: bool
 
     @property
-    def times(self) -> int:
-        """How many times."""
+    def measurements(self) -> int:
+        """Number of measurements."""
         return max(1, int(self.seconds * NS_PER_S / self.period_ns))
 
 
-def wake_ups(asked: Asked) -> dict[str, Any]:
+def wake_ups(settings: Settings) -> dict[str, Any]:
     """Lateness of every wake-up in us, and what the host granted."""
-    return _measured("wakeups", asked)
+    return _measured("wakeups", settings)
 
 
-def limit(asked: Asked) -> dict[str, Any]:
+def limit(settings: Settings) -> dict[str, Any]:
     """Spread of the machine's own wake-ups in us, and who measured it."""
-    return _measured("limit", asked)
+    return _measured("limit", settings)
 
 
-def ping(asked: Asked) -> dict[str, Any]:
-    """Every round trip in us, and how many came not back."""
-    return _measured("ping", asked)
+def ping(settings: Settings) -> dict[str, Any]:
+    """Every round trip in us, and how many did not return."""
+    return _measured("ping", settings)
 
 
-def _measured(what: str, asked: Asked) -> dict[str, Any]:
-    """What the process told. Raises CellError with its last words."""
+def _measured(what: str, settings: Settings) -> dict[str, Any]:
+    """What the process printed. Raises CellError with the last line of its errors."""
     line = [*python_module("hydrohil.qualification.probe"), what, "--parent", str(os.getpid())]
-    line += ["--cell", asked.place.cell, "--port", str(asked.place.port)]
-    line += ["--period-ns", str(asked.period_ns), "--seconds", str(asked.seconds)]
-    line += [] if asked.realtime else ["--no-realtime"]
+    line += ["--cell", settings.place.cell, "--port", str(settings.place.port)]
+    line += ["--period-ns", str(settings.period_ns), "--seconds", str(settings.seconds)]
+    line += [] if settings.realtime else ["--no-realtime"]
     with subprocess.Popen(line, env=environment(), stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True) as child:
         try:
-            told, words = child.communicate()
+            out, err = child.communicate()
         finally:
             child.terminate()
     if child.returncode:
-        raise CellError((words.strip().splitlines() or [f"the measurement of {what} ended with {child.returncode}"])[-1])
-    values: dict[str, Any] = json.loads(told)
+        raise CellError((err.strip().splitlines() or [f"the measurement of {what} ended with {child.returncode}"])[-1])
+    values: dict[str, Any] = json.loads(out)
     return values
 
 
-def _measure(what: str, asked: Asked, granted: Granted) -> dict[str, Any]:
+def _measure(what: str, settings: Settings, granted: Granted) -> dict[str, Any]:
     if what == "wakeups":
-        return {"us": lateness_us(asked.period_ns, asked.times), "granted": granted._asdict()}
+        return {"us": lateness_us(settings.period_ns, settings.measurements), "granted": granted._asdict()}
     if what == "limit":
-        made = cyclictest(asked.period_ns, asked.times, fifo=granted.fifo)
-        if made is not None:
-            return {"us": list(made.us), "by": made.by}
-        return {"us": list(spread(nanosleep_lateness_us(asked.period_ns, asked.times))), "by": "clock_nanosleep"}
-    options = [] if asked.realtime else ["--no-realtime"]
-    line = transport.echo_line("hydrohil.qualification.probe", asked.place, [*options, "--parent", str(os.getpid())])
-    us, lost = transport.ping(asked.place, asked.period_ns, asked.times, line)
+        limit = cyclictest(settings.period_ns, settings.measurements, fifo=granted.fifo)
+        if limit is not None:
+            return {"us": list(limit.us), "by": limit.by}
+        return {"us": list(spread(nanosleep_lateness_us(settings.period_ns, settings.measurements))), "by": "clock_nanosleep"}
+    options = [] if settings.realtime else ["--no-realtime"]
+    line = transport.echo_line("hydrohil.qualification.probe", settings.place, [*options, "--parent", str(os.getpid())])
+    us, lost = transport.ping(settings.place, settings.period_ns, settings.measurements, line)
     return {"us": us, "lost": lost}
 
 
@@ -99,12 +99,12 @@ def main(arguments: list[str] | None = None) -> int:
     if not die_with_parent(given.parent):
         return EXIT_OK
     granted = request_realtime(realtime=not given.no_realtime)
-    asked = Asked(Place(given.cell, given.port), given.period_ns, given.seconds, not given.no_realtime)
+    settings = Settings(Place(given.cell, given.port), given.period_ns, given.seconds, not given.no_realtime)
     try:
         if given.what == "echo":
-            transport.echo(asked.place)
+            transport.echo(settings.place)
         else:
-            print(json.dumps(_measure(given.what, asked, granted)))
+            print(json.dumps(_measure(given.what, settings, granted)))
     except (BusError, OSError) as error:
         print(error, file=sys.stderr)
         return EXIT_TRANSPORT

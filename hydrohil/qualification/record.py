@@ -1,4 +1,4 @@
-"""The record of this host: what every trial of it gave, and the summary that arming, recordings and reports carry."""
+"""The record of this host: the figures of every trial, and the summary that arming, recordings and reports carry."""
 
 import json
 import math
@@ -22,21 +22,21 @@ from hydrohil.shared.host.qualified import Host, Qualified
 _NS_PER_MS = 1e6
 
 
-class Tried(NamedTuple):
-    """A rate that was tried."""
+class RateTrial(NamedTuple):
+    """One rate, measured and judged."""
 
     figures: Figures
     verdict: Verdict
-    made: str  # date and time
+    measured_at: str  # date and time
 
 
-def plain(tried: Tried) -> dict[str, Any]:
+def plain(trial: RateTrial) -> dict[str, Any]:
     """One trial as JSON has it: null is a number that was not measured."""
-    spreads = {name: value for name, value in tried.figures._asdict().items() if hasattr(value, "_asdict")}
-    figures = tried.figures._asdict() | {name: value._asdict() for name, value in spreads.items()}
-    derived = {"late_share": late_share(tried.figures), "lease_ns": lease_ns(tried.figures)}
-    made: dict[str, Any] = finite(tried.verdict._asdict() | {"made": tried.made} | derived | figures)
-    return made
+    spreads = {name: value for name, value in trial.figures._asdict().items() if hasattr(value, "_asdict")}
+    figures = trial.figures._asdict() | {name: value._asdict() for name, value in spreads.items()}
+    derived = {"late_share": late_share(trial.figures), "lease_ns": lease_ns(trial.figures)}
+    values: dict[str, Any] = finite(trial.verdict._asdict() | {"measured_at": trial.measured_at} | derived | figures)
+    return values
 
 
 def finite(values: Any) -> Any:
@@ -48,7 +48,7 @@ def finite(values: Any) -> Any:
     return None if isinstance(values, float) and not math.isfinite(values) else values
 
 
-def keep(path: Path, host: Host, tried: Iterable[Tried]) -> Qualified | None:
+def keep(path: Path, host: Host, tried: Iterable[RateTrial]) -> Qualified | None:
     """Write what is evidence, in the place of older trials of the same rates; the summary, None where nothing is on record.
 
     Raises OSError where it cannot be written.
@@ -86,7 +86,7 @@ def summary(trials: dict[int, dict[str, Any]]) -> Qualified:
     return Qualified(
         qualified_period_ns=qualified_period_ns(verdicts),
         grade=decided["grade"],
-        made=decided["made"],
+        measured_at=decided["measured_at"],
         period_ns=decided["period_ns"],
         samples=decided["samples"],
         late_share=decided["late_share"],

@@ -1,4 +1,4 @@
-"""What the samples of a trial tell of its timing. Pure."""
+"""The timing of a trial from its samples. Pure."""
 
 import math
 from collections.abc import Iterable, Sequence
@@ -14,9 +14,9 @@ _NS_PER_US = 1000
 class Timing(NamedTuple):
     """Of every tick of a trial, by the sample that follows it."""
 
-    in_time: tuple[bool, ...]  # its command was in force at the latch; a tick that was not heard of was not in time
+    in_time: tuple[bool, ...]  # its command was in force at the latch; False for a tick without a sample
     accepted_us: tuple[float, ...]  # sample -> accepted command, of those that were accepted
-    missing: int  # ticks that were not heard of
+    missing: int  # ticks without a sample
 
 
 def timing(samples: Iterable[Sample], ticks: int) -> Timing:

@@ -1,6 +1,6 @@
 """A ping-pong of bare payloads between two processes: the loop's topics with their own quality of service, without frames.
 
-Each message is as large as a sample's frame. Both ends receive blocking: their main thread sleeps until the transport wakes it.
+Each message is as large as a sample's frame. The main thread of both ends sleeps until the transport wakes it.
 """
 
 import os
@@ -16,7 +16,7 @@ from hydrohil.shared.host.clock import sleep_until
 from hydrohil.shared.host.process import draw_number
 from hydrohil.shared.transport.bus import Bus
 
-PING, PONG = "controller/command", "plant/sample"  # the way of a sample and of the command that answers it
+PING, PONG = "controller/command", "plant/sample"  # as a sample and the command that answers it go
 WARM_UP = 50
 _PATIENCE_S = 0.2  # for one answer
 _JOIN_S = 20.0  # for the echo to be there
@@ -58,7 +58,7 @@ def frame_bytes() -> int:
 
 
 def ping(place: Place, period_ns: int, count: int, echo: list[str]) -> tuple[list[float], int]:
-    """Round trips in us to the process that the command line `echo` starts, once a period; and how many came not back.
+    """Round trips in us to the process that the command line `echo` starts, once a period; and how many did not return.
 
     Raises BusError, or TimeoutError where that process does not answer at all.
     """
@@ -101,7 +101,7 @@ def _await_echo(bus: Bus, arrived: deque[int], payload: bytes, echoing: subproce
 
 
 def _await(bus: Bus, arrived: deque[int], patience_s: float) -> None:
-    """Until something has arrived; wakes that are left over from before end nothing."""
+    """Until something has arrived; a wake-up that is left over from before does not end the wait."""
     deadline = time.monotonic() + patience_s
     while not arrived and (left_s := deadline - time.monotonic()) > 0:
         bus.wait(left_s)

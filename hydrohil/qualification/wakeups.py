@@ -14,7 +14,7 @@ from hydrohil.shared.units import NS_PER_S
 
 _CLOCK_MONOTONIC, _TIMER_ABSTIME = 1, 1
 _NS_PER_US = 1000
-_LONGEST_US = 100_000  # of cyclictest's histogram; what is later is told by its maximum
+_LONGEST_US = 100_000  # of cyclictest's histogram; of what is later only the maximum is known
 _BUCKET = re.compile(r"^(\d+)\s+(\d+)$", re.MULTILINE)
 _OVERFLOWS = re.compile(r"^# Histogram Overflows:\s+(\d+)", re.MULTILINE)
 _MAXIMUM = re.compile(r"^# Max Latencies:\s+(\d+)", re.MULTILINE)
@@ -66,25 +66,25 @@ def cyclictest(period_ns: int, count: int, *, fifo: bool) -> Limit | None:
     interval = f"--interval={period_ns // _NS_PER_US}"
     line = [program, "--quiet", "--mlockall", interval, f"--loops={count}", f"--histogram={_LONGEST_US}", *scheduling]
     ran = subprocess.run(line, capture_output=True, text=True, check=False)
-    made = histogram(ran.stdout) if ran.returncode == 0 else None
-    return None if made is None else Limit(made, "cyclictest")
+    spread = histogram(ran.stdout) if ran.returncode == 0 else None
+    return None if spread is None else Limit(spread, "cyclictest")
 
 
-def histogram(told: str) -> Spread | None:
+def histogram(text: str) -> Spread | None:
     """Percentiles of what cyclictest prints with --histogram, for one thread; None if it is no histogram."""
-    buckets = [(int(late_us), int(count)) for late_us, count in _BUCKET.findall(told)]
-    maximum = _MAXIMUM.search(told)
-    beyond = sum(map(int, _OVERFLOWS.findall(told)))
+    buckets = [(int(late_us), int(count)) for late_us, count in _BUCKET.findall(text)]
+    maximum = _MAXIMUM.search(text)
+    beyond = sum(map(int, _OVERFLOWS.findall(text)))
     total = sum(count for _, count in buckets) + beyond
     if maximum is None or not total:
         return None
     worst = float(maximum.group(1))
 
     def rank(share: float) -> float:
-        seen = 0
+        passed = 0
         for late_us, count in buckets:
-            seen += count
-            if seen > share * total:
+            passed += count
+            if passed > share * total:
                 return float(late_us)
         return worst
 

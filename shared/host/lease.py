@@ -1,6 +1,6 @@
 """The lease of permits and commands: 20 ms as industrial arms use, or three times this host's worst wake-up.
 
-Two seconds rarely see a host's worst, so while nothing is armed the lease still grows with what is seen; never in a trial.
+Two seconds rarely see a host's worst, so the lease still grows with later wake-ups while nothing is armed; never in a trial.
 """
 
 import time
@@ -14,7 +14,7 @@ LEASE_PER_LATENESS = 3
 UNCHOSEN = 0
 
 
-def lease_wanted_ns(worst_ns: int) -> int:
+def required_lease_ns(worst_ns: int) -> int:
     """The lease for a host whose worst wake-up is this late; more than MAX_LEASE_NS is not given."""
     return max(MIN_LEASE_NS, LEASE_PER_LATENESS * worst_ns)
 
@@ -28,23 +28,23 @@ class LeaseChoice:
         self._fixed, self._probe = fixed, probe
         self._lease_ns = MIN_LEASE_NS
         self._until_ns = time.monotonic_ns() + int(MEASURED_S * NS_PER_S)
-        self._wanted_ns = MIN_LEASE_NS
+        self._required_ns = MIN_LEASE_NS
 
     def after(self, late_ns: int, *, armed: bool) -> int:
         """Take one wake-up's lateness in; the lease in ns when it is chosen or raised now, otherwise UNCHOSEN."""
         if self._fixed:
             return UNCHOSEN
-        self._want(late_ns)
+        self._take(late_ns)
         if armed or not self._measured():
             return UNCHOSEN
-        lease_ns = min(self._wanted_ns, MAX_LEASE_NS)
+        lease_ns = min(self._required_ns, MAX_LEASE_NS)
         if self.chosen and lease_ns <= self._lease_ns:
             return UNCHOSEN
         self.chosen, self._lease_ns = True, lease_ns
         return lease_ns
 
-    def _want(self, late_ns: int) -> None:
-        self._wanted_ns = max(self._wanted_ns, lease_wanted_ns(late_ns))
+    def _take(self, late_ns: int) -> None:
+        self._required_ns = max(self._required_ns, required_lease_ns(late_ns))
 
     def _measured(self) -> bool:
         """Whether two seconds of wake-ups are in: the probe's, or this process's own."""
@@ -53,6 +53,6 @@ class LeaseChoice:
         worst_ns = self._probe.result()
         if worst_ns is None:
             return False
-        self._want(worst_ns)
+        self._take(worst_ns)
         self._until_ns, self._probe = time.monotonic_ns(), None
         return True

@@ -36,7 +36,7 @@ class Qualified(NamedTuple):
 
     qualified_period_ns: int  # shortest sampling period that is qualified; 0 = none
     grade: str
-    made: str  # date and time
+    measured_at: str  # date and time
     period_ns: int  # of the trial that decided
     samples: int
     late_share: float | None  # of them, taken or answered late; None = not measured, as below
@@ -124,7 +124,7 @@ def words(found: Qualified) -> str:
     p999 = _amount(found.accepted_p999_us, " ms", 1e-3)
     worst, lease = _amount(found.wake_up_max_us, " ms", 1e-3), _amount(found.lease_ms, " ms", 1.0)
     figures = f"{late}, sample to command p99.9 {p999}, worst wake-up {worst}, lease {lease}"
-    return f"{qualified}, grade {found.grade} ({found.made}): {figures}"
+    return f"{qualified}, grade {found.grade} ({found.measured_at}): {figures}"
 
 
 def _amount(value: float | None, unit: str, factor: float) -> str:
@@ -139,6 +139,6 @@ def beyond(found: Qualified | None, period_ns: int) -> str:
     if found.qualified_period_ns:
         qualified, lower = f"qualified for at most {hertz(found.qualified_period_ns)}", ", a lower rate,"
     return (
-        f"plant.sample_period_substeps asks for {hertz(period_ns)}, and this host is {qualified} ({found.made}): "
+        f"plant.sample_period_substeps asks for {hertz(period_ns)}, and this host is {qualified} ({found.measured_at}): "
         f"`hydrohil qualify` again{lower} or `--unqualified`"
     )

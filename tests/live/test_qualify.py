@@ -9,7 +9,7 @@ from pathlib import Path
 import pytest
 
 from hydrohil.qualification.grading import judge
-from hydrohil.qualification.record import Tried, keep
+from hydrohil.qualification.record import RateTrial, keep
 from hydrohil.shared import cache
 from hydrohil.shared.host.qualified import record_file, this_host
 from tests.support.live_cell import LEASE_MS, begun, end, hydrohil, line, own_place, processes, swing, until
@@ -30,7 +30,7 @@ def own_cache(monkeypatch: pytest.MonkeyPatch, tmp_path: Path) -> Path:
     return mine
 
 
-def test_everything_is_measured_and_a_trial_of_a_second_signs_nothing(own_cache: Path, tmp_path: Path):
+def test_everything_is_measured_and_a_trial_of_a_second_qualifies_nothing(own_cache: Path, tmp_path: Path):
     place, file = own_place(), tmp_path / "host.json"
     run = begun(place, "qualify", "--quick", "--seconds", "1", "--rate-hz", "100", "--json", str(file))
     out, err = run.communicate(timeout=120)
@@ -65,10 +65,14 @@ def test_an_interrupted_qualification_leaves_no_process(own_cache: Path, number:
     assert not (own_cache / "qualifications").exists()
 
 
-def test_a_run_above_the_signed_rate_is_refused_in_one_line_and_one_on_purpose_is_not(own_cache: Path, tmp_path: Path):
+def test_a_run_above_the_qualified_rate_is_refused_in_one_line_and_one_on_purpose_is_not(own_cache: Path, tmp_path: Path):
     host, late = this_host(), GOOD._replace(unanswered=400.0)
     for fifo in (False, True):  # whatever this machine grants
-        keep(record_file(host, fifo=fifo), host, [Tried(late, judge(late), "yesterday"), Tried(SLOW, judge(SLOW), "yesterday")])
+        keep(
+            record_file(host, fifo=fifo),
+            host,
+            [RateTrial(one, judge(one), "yesterday") for one in (late, SLOW)],
+        )
     place, file = own_place(), tmp_path / "r.json"
     arguments = ("run", swing(tmp_path), "--permit-ttl-ms", LEASE_MS, "--json", str(file))
     refused = subprocess.run(line(place, *arguments)[:-1], capture_output=True, text=True, check=False, timeout=120)

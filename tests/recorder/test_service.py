@@ -39,7 +39,7 @@ def test_record_status_and_finish_are_answered_with_what_was_written(tmp_path: P
 QUALIFICATION = {
     "qualified_period_ns": 4_500_000,
     "grade": "B",
-    "made": "2026-11-28 02:00:00+00:00",
+    "measured_at": "2026-11-28 02:00:00+00:00",
     "period_ns": 4_500_000,
     "samples": 4444,
     "late_share": 0.0005,

@@ -8,7 +8,7 @@ from typer.testing import CliRunner
 
 from hydrohil.cell.processes import CellError
 from hydrohil.cli.main import app
-from hydrohil.qualification import measure as measuring
+from hydrohil.qualification import qualify as qualification
 from hydrohil.qualification.grading import Figures
 from hydrohil.qualification.measure import Measured
 from hydrohil.shared.host.qualified import standing
@@ -19,15 +19,15 @@ ALL_NS = [1_000_000, 2_000_000, 4_500_000, 10_000_000]
 
 
 class Host:
-    """A host that keeps up down to a sampling period; what is asked of it is remembered."""
+    """A host that keeps up down to a sampling period, and remembers what was measured."""
 
     def __init__(self, keeps_up_ns):
         self.keeps_up_ns, self.asked = keeps_up_ns, []
 
-    def measure(self, wish, period_substeps, show):
+    def measure(self, settings, period_substeps, report):
         period_ns = period_substeps * 50_000
-        self.asked.append((period_ns, wish))
-        show("the loop", 1.0)
+        self.asked.append((period_ns, settings))
+        report("the loop", 1.0)
         late = 0.0 if period_ns >= self.keeps_up_ns else 400.0
         return Measured(GOOD._replace(period_ns=period_ns, unanswered=late), GRANTED)
 
@@ -37,7 +37,7 @@ def qualify(monkeypatch, tmp_path):
     monkeypatch.setenv("HYDROHIL_CACHE", str(tmp_path / "cache"))
 
     def run(host, *arguments):
-        monkeypatch.setattr(measuring, "measure", host.measure if isinstance(host, Host) else host)
+        monkeypatch.setattr(qualification, "measure", host.measure if isinstance(host, Host) else host)
         return CliRunner().invoke(app, ["qualify", *arguments])
 
     return run
@@ -47,7 +47,7 @@ def qualify(monkeypatch, tmp_path):
     ("keeps_up_ns", "tried", "status"),
     [(1_000_000, ALL_NS[:1], 0), (4_500_000, ALL_NS[:3], 0), (10_000_000, ALL_NS, 0), (10_000_001, ALL_NS, 1)],
 )
-def test_rates_are_tried_from_the_highest_down_until_one_is_signed(qualify, keeps_up_ns, tried, status):
+def test_rates_are_tried_from_the_highest_down_until_one_is_qualified(qualify, keeps_up_ns, tried, status):
     host = Host(keeps_up_ns)
     made = qualify(host)
     assert [period_ns for period_ns, _ in host.asked] == tried
@@ -71,7 +71,7 @@ def test_one_rate_is_tried_alone(qualify, rate, period_ns):
 
 @pytest.mark.parametrize("fifo", [False, True])
 def test_it_is_recorded_under_what_the_host_has_granted_and_not_under_what_was_asked_for(qualify, fifo):
-    def measure(wish, period, show):
+    def measure(settings, period, report):
         return Measured(GOOD, GRANTED | {"fifo": fifo})
 
     assert qualify(measure, "--rate-hz", "222.2", "--realtime").exit_code == 0
@@ -94,21 +94,21 @@ def test_a_rate_that_no_plant_accepts_ends_with_2_and_says_which_are(qualify, ra
 def test_it_takes_as_long_as_was_asked_for(qualify, options, loop_s, baseline_s):
     host = Host(0)
     qualify(host, "--rate-hz", "222.2", "--no-realtime", *options)
-    ((_, wish),) = host.asked
-    assert (wish.seconds, wish.baseline_s, wish.realtime) == (loop_s, baseline_s, False)
+    ((_, settings),) = host.asked
+    assert (settings.seconds, settings.baseline_s, settings.realtime) == (loop_s, baseline_s, False)
 
 
 def test_the_file_holds_host_trials_and_status_with_null_for_what_is_missing(qualify, tmp_path):
     file = tmp_path / "new" / "host.json"
     made = qualify(Host(4_500_000), "--json", str(file))
-    told = json.loads(file.read_text(), parse_constant=lambda name: pytest.fail(f"{name} is no JSON"))
-    assert [(trial["period_ns"], trial["grade"]) for trial in told["trials"]] == [
+    written = json.loads(file.read_text(), parse_constant=lambda name: pytest.fail(f"{name} is no JSON"))
+    assert [(trial["period_ns"], trial["grade"]) for trial in written["trials"]] == [
         (1_000_000, "C"),
         (2_000_000, "C"),
         (4_500_000, "A"),
     ]
-    assert (told["qualified_period_ns"], told["exit_status"]) == (4_500_000, made.exit_code)
-    assert told["host"]["cores"] > 0 and {fact["what"] for fact in told["found"]} >= {"SCHED_FIFO", "SMT", "kernel"}
+    assert (written["qualified_period_ns"], written["exit_status"]) == (4_500_000, made.exit_code)
+    assert written["host"]["cores"] > 0 and {fact["what"] for fact in written["found"]} >= {"SCHED_FIFO", "SMT", "kernel"}
 
 
 def test_table_grade_and_reasons_are_printed(qualify):
@@ -119,13 +119,13 @@ def test_table_grade_and_reasons_are_printed(qualify):
 
 
 def test_what_was_not_measured_is_a_dash(qualify):
-    made = qualify(lambda wish, period, show: Measured(Figures(4_500_000), GRANTED), "--rate-hz", "222.2")
+    made = qualify(lambda settings, period, report: Measured(Figures(4_500_000), GRANTED), "--rate-hz", "222.2")
     assert made.exit_code == 1
     assert not re.search(r"\bnan\b", made.stdout) and "- of 0 unanswered" in made.stdout and "no trial was made" in made.stdout
 
 
-def test_a_trial_too_short_for_a_signature_ends_with_1_and_is_not_recorded(qualify):
-    short = lambda wish, period, show: Measured(GOOD._replace(samples=300), GRANTED)  # noqa: E731
+def test_a_trial_too_short_for_a_qualification_ends_with_1_and_is_not_recorded(qualify):
+    short = lambda settings, period, report: Measured(GOOD._replace(samples=300), GRANTED)  # noqa: E731
     made = qualify(short, "--rate-hz", "222.2")
     assert made.exit_code == 1
     assert "too short to be put on record" in made.stdout and "1000 are needed" in made.stdout

@@ -29,7 +29,7 @@ def test_a_host_on_which_nothing_is_late_is_graded_a():
     assert judge(GOOD) == Verdict("A", True, ())
 
 
-def test_what_was_not_measured_at_all_is_not_signed():
+def test_what_was_not_measured_at_all_is_not_qualified():
     assert judge(Figures(PERIOD_NS)).grade == "D"
 
 
@@ -47,7 +47,7 @@ def test_what_was_not_measured_at_all_is_not_signed():
         ({"ended": ""}, {"ended": "the gate has cut"}, "D"),
     ],
 )
-def test_a_rate_is_signed_on_each_limit_and_not_just_past_it(on: dict, past: dict, grade: str):
+def test_a_rate_is_qualified_on_each_limit_and_not_just_past_it(on: dict, past: dict, grade: str):
     assert judge(GOOD._replace(**on)).qualified
     verdict = judge(GOOD._replace(**past))
     assert (verdict.grade, verdict.qualified, len(verdict.reasons)) == (grade, False, 1)
@@ -56,13 +56,13 @@ def test_a_rate_is_signed_on_each_limit_and_not_just_past_it(on: dict, past: dic
 @pytest.mark.parametrize(
     "field", ["unanswered", "shifts", "lost", "worst_window", "wake_ups_us", "limit_us", "ping_us", "accepted_us", "grid_us"]
 )
-def test_a_number_that_is_missing_is_not_signed(field: str):
+def test_a_number_that_is_missing_is_not_qualified(field: str):
     missing = Spread() if isinstance(getattr(GOOD, field), Spread) else math.nan
     assert not judge(GOOD._replace(**{field: missing})).qualified
 
 
 @pytest.mark.parametrize("field", Spread._fields)
-def test_an_infinite_percentile_is_not_signed(field: str):
+def test_an_infinite_percentile_is_not_qualified(field: str):
     assert not judge(GOOD._replace(accepted_us=FINE._replace(**{field: math.inf}))).qualified
 
 
@@ -117,7 +117,7 @@ def test_every_grade_has_words():
         ({2: QUALIFIED}, 2, 2),
     ],
 )
-def test_the_highest_signed_rate_has_no_lower_one_that_was_tried_in_vain(verdicts: dict, qualified: int, deciding: int):
+def test_the_highest_qualified_rate_has_no_lower_one_that_failed(verdicts: dict, qualified: int, deciding: int):
     assert qualified_period_ns(verdicts) == qualified
     assert deciding_period_ns(verdicts) == deciding
 

@@ -1,4 +1,4 @@
-"""A host as found: from what was granted and what its files tell."""
+"""A host as found: from what was granted and from its files."""
 
 import os
 
@@ -16,7 +16,7 @@ def properties(root, **granted):
     return {row.what: row for row in found(granted, 0.1, root)}
 
 
-def test_a_host_that_is_set_up_well_is_told_so(tmp_path):
+def test_a_host_that_is_set_up_well_is_described_so(tmp_path):
     files(
         tmp_path,
         sys__kernel__realtime="1\n",
@@ -26,7 +26,7 @@ def test_a_host_that_is_set_up_well_is_told_so(tmp_path):
         sys__devices__system__cpu__cpu1__cpufreq__scaling_governor="performance\n",
         proc__cpuinfo="flags : fpu vme\n",
     )
-    told = properties(tmp_path, fifo=True, memory_locked=True, idle_latency=True)
+    rows = properties(tmp_path, fifo=True, memory_locked=True, idle_latency=True)
     names = (
         "SCHED_FIFO",
         "mlockall",
@@ -37,11 +37,11 @@ def test_a_host_that_is_set_up_well_is_told_so(tmp_path):
         "kernel",
         "machine",
     )
-    assert [told[name].good for name in names] == [True] * len(names)
-    assert "PREEMPT_RT" in told["kernel"].found and told["isolated processors"].found == "2-3"
+    assert [rows[name].good for name in names] == [True] * len(names)
+    assert "PREEMPT_RT" in rows["kernel"].found and rows["isolated processors"].found == "2-3"
 
 
-def test_a_host_that_is_not_is_told_what_would_help(tmp_path):
+def test_a_host_that_is_not_is_shown_what_would_help(tmp_path):
     files(
         tmp_path,
         sys__devices__system__cpu__smt__active="1\n",
@@ -49,15 +49,15 @@ def test_a_host_that_is_not_is_told_what_would_help(tmp_path):
         sys__devices__system__cpu__cpu1__cpufreq__scaling_governor="powersave\n",
         proc__cpuinfo="flags : fpu hypervisor vme\n",
     )
-    told = properties(tmp_path, fifo=False)
+    rows = properties(tmp_path, fifo=False)
     names = ("SCHED_FIFO", "mlockall", "/dev/cpu_dma_latency", "frequency governor", "SMT", "isolated processors", "machine")
-    assert [told[name].good for name in names] == [False] * len(names)
-    assert all(row.advice for row in told.values())
+    assert [rows[name].good for name in names] == [False] * len(names)
+    assert all(row.advice for row in rows.values())
 
 
-def test_what_a_host_does_not_tell_is_neither_good_nor_bad(tmp_path):
-    told = properties(tmp_path)
-    assert [told[name].good for name in ("frequency governor", "SMT")] == [None, None]
+def test_what_a_host_does_not_say_is_neither_good_nor_bad(tmp_path):
+    rows = properties(tmp_path)
+    assert [rows[name].good for name in ("frequency governor", "SMT")] == [None, None]
 
 
 def test_a_load_on_the_limit_is_idle_and_more_is_not(tmp_path):

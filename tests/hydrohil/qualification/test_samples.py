@@ -1,4 +1,4 @@
-"""What samples tell of a trial's timing, and percentiles."""
+"""The timing of a trial from its samples, and percentiles."""
 
 import math
 from random import Random
@@ -14,42 +14,42 @@ FIRST = 40  # number of the sample of tick 0
 
 
 def trial(ticks: int, **changed: dict) -> list:
-    """Samples from before a trial to after it, each telling that the one before it was answered after 900 us."""
-    made = []
+    """Samples from before a trial to after it, each saying that the one before it was answered after 900 us."""
+    samples = []
     for number in range(FIRST - 3, FIRST + ticks + 2):
         tick = number - FIRST if number - FIRST < ticks else NO_TRIAL
         fields = {"command_number": number - 1, "command_age_ns": 900_000} | changed.get(f"n{number - FIRST}", {})
-        made.append(sample(number, tick, **fields))
-    return made
+        samples.append(sample(number, tick, **fields))
+    return samples
 
 
 def test_every_tick_is_judged_by_the_sample_that_follows_it():
-    seen = timing(trial(5), 5)
-    assert seen.in_time == (True,) * 5
-    assert seen.accepted_us == (900.0,) * 5
-    assert seen.missing == 0
+    observed = timing(trial(5), 5)
+    assert observed.in_time == (True,) * 5
+    assert observed.accepted_us == (900.0,) * 5
+    assert observed.missing == 0
 
 
 def test_an_answer_that_took_effect_late_is_not_in_time_but_was_accepted():
-    seen = timing(trial(5, n3={"command_late_substeps": 1, "command_age_ns": 3_700_000}), 5)
-    assert seen.in_time == (True, True, False, True, True)
-    assert seen.accepted_us == (900.0, 900.0, 3700.0, 900.0, 900.0)
+    observed = timing(trial(5, n3={"command_late_substeps": 1, "command_age_ns": 3_700_000}), 5)
+    assert observed.in_time == (True, True, False, True, True)
+    assert observed.accepted_us == (900.0, 900.0, 3700.0, 900.0, 900.0)
 
 
 def test_a_tick_without_an_answer_was_neither():
-    seen = timing(trial(5, n5={"command_number": FIRST + 3}), 5)
-    assert seen.in_time == (True, True, True, True, False)
-    assert len(seen.accepted_us) == 4
+    observed = timing(trial(5, n5={"command_number": FIRST + 3}), 5)
+    assert observed.in_time == (True, True, True, True, False)
+    assert len(observed.accepted_us) == 4
 
 
-def test_a_sample_that_was_not_heard_of_leaves_its_tick_and_the_one_before_unproven():
-    heard = [made for made in trial(5) if made.tick != 2]
-    seen = timing(heard, 5)
-    assert seen.in_time == (True, False, False, True, True)
-    assert seen.missing == 1
+def test_a_sample_that_was_not_received_leaves_its_tick_and_the_one_before_unproven():
+    received = [sample for sample in trial(5) if sample.tick != 2]
+    observed = timing(received, 5)
+    assert observed.in_time == (True, False, False, True, True)
+    assert observed.missing == 1
 
 
-def test_nothing_heard_is_nothing_in_time():
+def test_without_samples_nothing_is_in_time():
     assert timing([], 3) == ((False, False, False), (), 3)
 
 

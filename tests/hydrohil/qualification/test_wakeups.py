@@ -28,9 +28,9 @@ def test_percentiles_of_cyclictests_histogram_count_what_is_beyond_it():
     assert wakeups.histogram(PRINTED) == Spread(20.0, 40.0, 1371.0, 1371.0)
 
 
-@pytest.mark.parametrize("told", ["", "cyclictest: unrecognized option", "# Max Latencies: 00010\n"])
-def test_what_is_no_histogram_is_not_taken_for_one(told):
-    assert wakeups.histogram(told) is None
+@pytest.mark.parametrize("text", ["", "cyclictest: unrecognized option", "# Max Latencies: 00010\n"])
+def test_what_is_no_histogram_is_not_taken_for_one(text):
+    assert wakeups.histogram(text) is None
 
 
 def test_without_cyclictest_nothing_is_measured_by_it(monkeypatch):
@@ -48,7 +48,7 @@ def test_a_cyclictest_that_does_not_run_is_as_good_as_none(monkeypatch, tmp_path
 
 
 @pytest.mark.parametrize("measure", [wakeups.lateness_us, wakeups.nanosleep_lateness_us])
-def test_every_wake_up_is_told_and_none_is_early(measure):
+def test_every_wake_up_is_measured_and_none_is_early(measure):
     late = measure(1_000_000, 20)
     assert len(late) == 20
     assert min(late) >= 0.0

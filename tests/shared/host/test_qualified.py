@@ -97,14 +97,14 @@ def test_what_a_status_tells_is_read_back():
 
 def test_the_words_tell_grade_rate_date_and_figures():
     text = words(FOUND)
-    assert all(part in text for part in ("500 Hz", "grade B", FOUND.made, "0.04%", "10000", "1.4 ms", "12 ms", "36 ms"))
+    assert all(part in text for part in ("500 Hz", "grade B", FOUND.measured_at, "0.04%", "10000", "1.4 ms", "12 ms", "36 ms"))
     assert "no rate is qualified" in words(FOUND._replace(qualified_period_ns=0, late_share=None))
 
 
 @pytest.mark.parametrize(
     ("period_ns", "refused"), [(10_000_000, False), (2_000_000, False), (1_950_000, True), (1_000_000, True)]
 )
-def test_what_is_signed_is_allowed_and_one_sub_step_faster_is_not(period_ns, refused):
+def test_what_is_qualified_is_allowed_and_one_sub_step_faster_is_not(period_ns, refused):
     assert bool(beyond(FOUND, period_ns)) == refused
 
 
@@ -115,7 +115,7 @@ def test_the_refusal_says_what_where_unit_what_was_expected_and_what_to_do():
     )
 
 
-def test_where_no_rate_is_signed_none_is_allowed_and_without_a_record_every_one_is():
+def test_where_no_rate_is_qualified_none_is_allowed_and_without_a_record_every_one_is():
     assert "no rate" in beyond(FOUND._replace(qualified_period_ns=0), 10_000_000)
     assert beyond(None, 1_000_000) == ""
 
