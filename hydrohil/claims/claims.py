@@ -1,4 +1,4 @@
-"""Claims: what a source says must be seen, as a number and a band; and the verdict of a trace on each."""
+"""Claims: what a source states, as a number that a trace must show within a band; and the verdict of a trace on each."""
 
 import math
 from typing import Annotated, Literal, NamedTuple, Protocol
@@ -35,7 +35,7 @@ UNITS: dict[Unit, tuple[Dimension, float]] = {  # what it measures, SI per unit
 
 
 class Stated(Protocol):
-    """What every statement has: words, a band in a unit, a source."""
+    """What every statement has: its text, a band in a unit, a source."""
 
     @property
     def statement(self) -> str: ...  # noqa: D102
@@ -54,7 +54,7 @@ class Stated(Protocol):
 class Claim(NamedTuple):
     """One statement of a source, as a metric of a channel in a window against a band in `unit`; on the band holds."""
 
-    statement: Annotated[str, MinLen(1)]  # in words
+    statement: Annotated[str, MinLen(1)]  # a sentence
     metric: MetricName
     channel: ChannelName
     comparison: Comparison
@@ -81,16 +81,16 @@ def verdict(stated: Stated, measured: float) -> Verdict:
 
 def judge(claim: Claim, trace: Trace) -> Verdict:
     """Measure `claim` on `trace`. A NaN does not hold, nor does a window that the trial did not reach the end of."""
-    seen = window(trace, claim.start_s, claim.end_s)
-    if not reaches(seen, claim.end_s):
+    inside = window(trace, claim.start_s, claim.end_s)
+    if not reaches(inside, claim.end_s):
         return Verdict(claim, math.nan, False)
-    measured = METRICS[claim.metric].of(seen, claim.channel) / UNITS[claim.unit][1]
+    measured = METRICS[claim.metric].of(inside, claim.channel) / UNITS[claim.unit][1]
     return verdict(claim, measured)
 
 
-def reaches(seen: Trace, end_s: float) -> bool:
+def reaches(inside: Trace, end_s: float) -> bool:
     """Whether a window's rows go on to its end: a trial that ended early says nothing of what would have come."""
-    return len(seen.t_s) >= 2 and float(seen.t_s[-1]) >= end_s - LATE_S
+    return len(inside.t_s) >= 2 and float(inside.t_s[-1]) >= end_s - LATE_S
 
 
 def within_band(claim: Stated, measured: float) -> bool:
@@ -101,7 +101,7 @@ def within_band(claim: Stated, measured: float) -> bool:
 
 
 def band(claim: Stated) -> str:
-    """The claim's band in words, e.g. `within 3.2..3.4 s`, `exactly 1 counts`."""
+    """The claim's band as text, e.g. `within 3.2..3.4 s`, `exactly 1 counts`."""
     if claim.comparison == "within" and claim.low == claim.high:
         return f"exactly {quantity(claim.low, claim.unit)}"
     if claim.comparison == "within":
@@ -130,9 +130,9 @@ def problems(claim: Claim, duration_s: float) -> list[tuple[str, str]]:
     metric = METRICS[claim.metric]
     if claim.channel not in metric.channels:
         found.append(("channel", f"is {claim.channel}: {claim.metric} is defined on {', '.join(metric.channels)}"))
-    measures, wanted = UNITS[claim.unit][0], dimension(claim.metric, claim.channel)
-    if measures != wanted:
-        fitting = ", ".join(unit for unit, (of, _) in UNITS.items() if of == wanted)
+    measures, expected = UNITS[claim.unit][0], dimension(claim.metric, claim.channel)
+    if measures != expected:
+        fitting = ", ".join(unit for unit, (of, _) in UNITS.items() if of == expected)
         found.append(("unit", f"is {claim.unit}: {claim.metric} of {claim.channel} is stated in one of {fitting}"))
     if claim.comparison == "within" and claim.low > claim.high:
         found.append(("low", f"is {claim.low:g} {claim.unit}: it must not lie above high, {claim.high:g} {claim.unit}"))

@@ -1,4 +1,4 @@
-"""What contact does to the force, and what remains when it is lost."""
+"""Metrics of contact: spikes of force, strikes, and what is left of the deviation when contact is lost."""
 
 import numpy as np
 

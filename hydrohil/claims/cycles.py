@@ -81,9 +81,9 @@ def pause_ratio(trace: Trace, channel: ChannelName) -> float:
 
 def yielding_share(trace: Trace, channel: ChannelName) -> float:
     """Share of the set-point's travel that leads away from the side of its mean on which the signal stands; 0 if it rests."""
-    seen, steps = measured(trace, channel), np.diff(set_point(trace, channel))
+    values, steps = measured(trace, channel), np.diff(set_point(trace, channel))
     travel = float(np.sum(np.abs(steps)))
-    if np.ptp(seen) == 0.0 or travel == 0.0:
+    if np.ptp(values) == 0.0 or travel == 0.0:
         return 0.0
-    away = steps * np.sign(seen - np.mean(seen))[:-1] < 0.0
+    away = steps * np.sign(values - np.mean(values))[:-1] < 0.0
     return float(np.sum(np.abs(steps[away]))) / travel

@@ -1,4 +1,4 @@
-"""What the gauge's noise makes of the set-point."""
+"""How much of the gauge's noise reaches the set-point."""
 
 import numpy as np
 

@@ -19,7 +19,7 @@ class PairClaim(NamedTuple):
     """One statement of a source about the trial `of` set against the trial `against`, both with the same seed.
 
     `metric_ratio` is the metric of `of` over that of `against`; the other measures set signals of the channel side by side,
-    sample by sample: measured values, or (`control_correlation`) the current that the law demanded of the link.
+    sample by sample: measured values, or (`control_correlation`) the current that the law commanded.
     """
 
     statement: str
@@ -51,8 +51,8 @@ def judge_pair(claim: PairClaim, of: Trace, against: Trace) -> Verdict:
 
 def _side_by_side(claim: PairClaim, one: Trace, other: Trace) -> tuple[Reals, Reals]:
     """Both signals (n,) at the samples of the first; jitter may differ, so the second is interpolated."""
-    seen = control if claim.measure == "control_correlation" else measured
-    return seen(one, claim.channel), np.interp(one.t_s, other.t_s, seen(other, claim.channel))
+    signal = control if claim.measure == "control_correlation" else measured
+    return signal(one, claim.channel), np.interp(one.t_s, other.t_s, signal(other, claim.channel))
 
 
 def _ratio(above: float, below: float) -> float:

@@ -16,7 +16,7 @@ CHANNELS: tuple[ChannelName, ...] = get_args(ChannelName)
 _ROTATE, _DOWN_UP, _OUT_IN, _, _ = UNIMATE_ENCODERS
 COUNT_RAD = (abs(_ROTATE.scale), abs(_DOWN_UP.scale), abs(_OUT_IN.scale))  # third in m
 NAN = float("nan")  # a window that does not determine a number
-TAIL = 0.1  # the last tenth of a window tells its final value
+TAIL = 0.1  # the last tenth of a window gives its final value
 STILL = 1e-9  # a set-point that changes by less from sample to sample stands still (rad, m, N)
 
 
@@ -30,7 +30,7 @@ def measured(trace: Trace, channel: ChannelName) -> Reals:
 
 
 def set_point(trace: Trace, channel: ChannelName) -> Reals:
-    """(n,) what was asked of `channel`: q_s, the modified x_s, or F_d."""
+    """(n,) the set-point of `channel`: q_s, the modified x_s, or F_d."""
     if channel == "force":
         return trace.force_set_n
     if channel in LINKS:
@@ -49,7 +49,7 @@ def error(trace: Trace, channel: ChannelName) -> Reals:
 
 
 def control(trace: Trace, link: ChannelName) -> Reals:
-    """(n,) current in A that the law demanded of a link's valve."""
+    """(n,) current in A that the law commands a link's valve."""
     return trace.current_a[:, LINKS.index(link)]
 
 

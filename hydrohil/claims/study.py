@@ -1,4 +1,4 @@
-"""A figure that is computed, not tried: curves in panels, and what they show against what is stated."""
+"""A figure that is computed, not played: curves in panels, and verdicts on what a source states of them."""
 
 from collections.abc import Callable, Sequence
 from typing import NamedTuple
@@ -39,7 +39,7 @@ class Panel(NamedTuple):
 
 
 class Studied(NamedTuple):
-    """What a study comes to."""
+    """What a study computes: its panels and its verdicts."""
 
     panels: tuple[Panel, ...]
     verdicts: tuple[Verdict, ...]

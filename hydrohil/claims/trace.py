@@ -1,4 +1,4 @@
-"""What one trial left behind: a row per sample from tick 0, in SI. Metrics and claims look at nothing else."""
+"""The record of one trial: a row per sample from tick 0, in SI. Metrics and claims read nothing else."""
 
 from pathlib import Path
 from typing import Any, NamedTuple
@@ -24,7 +24,7 @@ class Trace(NamedTuple):
     x_nominal_m: Reals  # (n, 3) as the reference has it
     force_n: Reals  # (n,) tared, not averaged
     force_set_n: Reals  # (n,) before any compensation
-    current_a: Reals  # (n, 3) demanded of the valves
+    current_a: Reals  # (n, 3) commanded to the valves
     mode: Integers  # (n,) of the supervisor
     sample_age_s: Reals  # (n,) age of the answered sample when its command was accepted
     encoder_counts: Integers  # (n, 5)

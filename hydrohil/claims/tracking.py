@@ -20,15 +20,15 @@ def max_error(trace: Trace, channel: ChannelName) -> float:
 
 def relative_error(trace: Trace, channel: ChannelName) -> float:
     """rms error over the rms of the set-point about its mean: standing still gives 1."""
-    wanted = set_point(trace, channel)
-    scale = rms(wanted - np.mean(wanted))
+    setpoint = set_point(trace, channel)
+    scale = rms(setpoint - np.mean(setpoint))
     return rms_error(trace, channel) / scale if scale > 0.0 else NAN
 
 
 def steady_error(trace: Trace, channel: ChannelName) -> float:
     """Mean error over mean set-point, without sign."""
-    wanted = float(np.mean(set_point(trace, channel)))
-    return abs(float(np.mean(error(trace, channel))) / wanted) if wanted != 0.0 else NAN
+    setpoint = float(np.mean(set_point(trace, channel)))
+    return abs(float(np.mean(error(trace, channel))) / setpoint) if setpoint != 0.0 else NAN
 
 
 def steady_error_counts(trace: Trace, channel: ChannelName) -> float:
@@ -38,15 +38,15 @@ def steady_error_counts(trace: Trace, channel: ChannelName) -> float:
 
 def overshoot(trace: Trace, channel: ChannelName) -> float:
     """How far the signal goes beyond the set-point's final value, in the direction in which the set-point went."""
-    wanted = set_point(trace, channel)
-    direction = np.sign(wanted[-1] - wanted[0])
-    return float(np.max((measured(trace, channel) - wanted[-1]) * direction)) if direction != 0.0 else NAN
+    setpoint = set_point(trace, channel)
+    direction = np.sign(setpoint[-1] - setpoint[0])
+    return float(np.max((measured(trace, channel) - setpoint[-1]) * direction)) if direction != 0.0 else NAN
 
 
 def peak_to_peak_ratio(trace: Trace, channel: ChannelName) -> float:
     """Peak to peak of the signal over that of its set-point."""
-    wanted = float(np.ptp(set_point(trace, channel)))
-    return float(np.ptp(measured(trace, channel))) / wanted if wanted > 0.0 else NAN
+    setpoint = float(np.ptp(set_point(trace, channel)))
+    return float(np.ptp(measured(trace, channel))) / setpoint if setpoint > 0.0 else NAN
 
 
 def cycle_ratio(trace: Trace, channel: ChannelName) -> float:
@@ -54,10 +54,10 @@ def cycle_ratio(trace: Trace, channel: ChannelName) -> float:
 
     A cycle runs from one turning point of the set-point to the next but one.
     """
-    wanted, seen = set_point(trace, channel), measured(trace, channel)
-    turns = [start for start, _, _ in moves(wanted)][1:]
+    setpoint, values = set_point(trace, channel), measured(trace, channel)
+    turns = [start for start, _, _ in moves(setpoint)][1:]
     cycles = [slice(start, end + 1) for start, end in zip(turns[:-2:2], turns[2::2], strict=True)]
-    ratios = [np.ptp(seen[cycle]) / np.ptp(wanted[cycle]) for cycle in cycles]
+    ratios = [np.ptp(values[cycle]) / np.ptp(setpoint[cycle]) for cycle in cycles]
     return float(np.mean(ratios)) if ratios else NAN
 
 

@@ -29,14 +29,14 @@ def bode(label: str, response: Complexes, frequency_hz: Reals) -> Bode:
 def bode_data(model: LinearModel, low_hz: float, high_hz: float) -> tuple[Bode, ...]:
     """Both loops, and of X/X_d, X/F_d (m/N), F/X_d (N/m), F/F_d those that are not zero."""
     frequency_hz = np.geomspace(low_hz, high_hz, POINTS)
-    seen = responses(blocks(model), 2.0 * np.pi * frequency_hz)
+    response = responses(blocks(model), 2.0 * np.pi * frequency_hz)
     named = {
-        "R_F A C M_F + R_X A (C + Q_v)": seen.loop,
-        "loop at the valve": seen.valve_loop,
-        "X/X_d": seen.x_per_x_d,
-        "F/F_d": seen.f_per_f_d,
-        "X/F_d, m/N": seen.x_per_f_d,
-        "F/X_d, N/m": seen.f_per_x_d,
+        "R_F A C M_F + R_X A (C + Q_v)": response.loop,
+        "loop at the valve": response.valve_loop,
+        "X/X_d": response.x_per_x_d,
+        "F/F_d": response.f_per_f_d,
+        "X/F_d, m/N": response.x_per_f_d,
+        "F/X_d, N/m": response.f_per_x_d,
     }
     return tuple(bode(label, response, frequency_hz) for label, response in named.items() if np.all(response != 0.0))
 

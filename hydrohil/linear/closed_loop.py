@@ -68,8 +68,8 @@ def closed_loop(model: LinearModel) -> control.StateSpace:
         outputs=["T"],
         name="valve",
     )
-    parts = [target_states(model.target), gauge_states(model.target), law, path, valve, arm_states(model)]
-    return control.interconnect(parts, inputs=["X_d", "F_d"], outputs=["X", "F", "U"])
+    subsystems = [target_states(model.target), gauge_states(model.target), law, path, valve, arm_states(model)]
+    return control.interconnect(subsystems, inputs=["X_d", "F_d"], outputs=["X", "F", "U"])
 
 
 def target_states(m: Target) -> control.StateSpace:
@@ -138,8 +138,8 @@ def crossings(loop: Complexes, angular_rad_per_s: Reals, signed: Reals) -> list[
 
 def loop_margins(model: LinearModel) -> tuple[Margins, Margins]:
     """Margins of the thesis' loop  R_F A C M_F + R_X A (C + Q_v),  and of the loop broken at the valve's current."""
-    seen = responses(blocks(model), GRID)
-    return margins(seen.loop), margins(seen.valve_loop)
+    response = responses(blocks(model), GRID)
+    return margins(response.loop), margins(response.valve_loop)
 
 
 def steady(model: LinearModel) -> Steady:

@@ -73,8 +73,8 @@ def answer(experiment: str, point: OperatingPoint, output: int, times_s: Reals) 
     """(n,) X (output 0) or F (output 1) of the linear model for the experiment's force step."""
     step = find(experiment).reference[0]
     t_s = np.arange(0.0, float(times_s[-1]) + MODEL_STEP_S, MODEL_STEP_S)
-    asked = np.vstack((np.zeros_like(t_s), np.where(t_s >= step.start_s, step.amount, 0.0)))
-    found = control.forced_response(closed_loop(linear_model(find(experiment), point)), t_s, asked)
+    inputs = np.vstack((np.zeros_like(t_s), np.where(t_s >= step.start_s, step.amount, 0.0)))
+    found = control.forced_response(closed_loop(linear_model(find(experiment), point)), t_s, inputs)
     return np.asarray(np.interp(times_s, t_s, np.asarray(found.outputs[output])))
 
 
@@ -139,13 +139,15 @@ def response_study(traces: Sequence[Trace]) -> Studied:
     """Free space and soft plate: the rig beside the model."""
     free, soft = traces
     moved = free.x_m[0, 2] - free.x_m[:, 2]  # down is positive
-    wanted = answer(FREE, FAST, 0, free.t_s)
+    modelled = answer(FREE, FAST, 0, free.t_s)
     pressed = answer(SOFT, OperatingPoint(), 1, soft.t_s)
     panels = (
-        Panel("time, s", "down, m", (Curve("rig", free.t_s, moved), Curve("linear model", free.t_s, wanted)), title="free space"),
+        Panel(
+            "time, s", "down, m", (Curve("rig", free.t_s, moved), Curve("linear model", free.t_s, modelled)), title="free space"
+        ),
         Panel("time, s", "force, N", (Curve("rig", soft.t_s, soft.force_n), Curve("linear model", soft.t_s, pressed))),
     )
-    off_m = 100.0 * rms(moved - wanted) / abs(float(wanted[-1]))
+    off_m = 100.0 * rms(moved - modelled) / abs(float(modelled[-1]))
     off_n = 100.0 * rms(soft.force_n - pressed) / abs(float(pressed[-1]))
     verdicts = (
         below("Free space: the rig off the linear model, rms over the step", "%", 100.0 * TENTH, off_m, _REPLACED),

@@ -1,4 +1,4 @@
-"""Curves thinned for a page that holds a hundred of them: what a pixel cannot show is left out, extremes never are."""
+"""Curves thinned for a page that holds a hundred of them. Points that no pixel shows are left out; extremes are kept."""
 
 from itertools import pairwise
 
@@ -11,7 +11,7 @@ MOST_POINTS = 1500
 
 
 def thinned(curve: Curve, most: int = MOST_POINTS) -> Curve:
-    """`curve` with about `most` points at most: of each stretch its extremes, in their order, and both ends."""
+    """`curve` with about `most` points: both ends, and the extremes of each stretch in their order."""
     if len(curve.x) <= most:
         return curve
     kept = kept_rows(curve.x, curve.y, most)

@@ -30,7 +30,7 @@ class Drawing(NamedTuple):
 
 
 class Style(NamedTuple):
-    """How a curve is drawn: colours that can be told apart on white and on black."""
+    """How a curve is drawn: colours that differ on white and on black."""
 
     colour: str
     line: str = "-"
@@ -64,7 +64,7 @@ _RC: dict[Any, Any] = {
 
 
 def svg(picture: Picture, key: str, label: str) -> str:
-    """`picture` as an SVG element; `key` makes its names unique on the page, `label` tells who cannot see it what it is."""
+    """`picture` as an SVG element; `key` makes its names unique on the page, `label` describes it to a screen reader."""
     with matplotlib.rc_context({**_RC, "svg.hashsalt": key}):
         canvas = draw(picture)
         file = io.StringIO()
@@ -80,20 +80,20 @@ def draw(picture: Picture) -> Canvas:
     columns = 1 if picture.stacked or picture.plane or len(panels) < 3 else 2
     rows = -(-len(panels) // columns)
     canvas = Canvas(figsize=(WIDTH_IN, EXTRA_IN + _panel_in(picture) * rows), layout="constrained")
-    made = canvas.subplots(rows, columns, squeeze=False, sharex=picture.stacked)
-    places: list[Axes] = list(made.flat)
+    grid = canvas.subplots(rows, columns, squeeze=False, sharex=picture.stacked)
+    axes_in_order: list[Axes] = list(grid.flat)
     styles = _styles(panels)
-    for number, (axes, panel) in enumerate(zip(places, panels, strict=False)):
+    for number, (axes, panel) in enumerate(zip(axes_in_order, panels, strict=False)):
         _draw_panel(axes, panel, styles)
         axes.set_xlabel(panel.x_label if not picture.stacked or number == len(panels) - 1 else "")
         if picture.plane:
             axes.set_aspect("equal")
         elif picture.stacked:
             axes.margins(x=0.01)
-    for empty in places[len(panels) :]:
+    for empty in axes_in_order[len(panels) :]:
         empty.set_visible(False)
-    _legend(canvas, places)
-    canvas.align_ylabels(places[: len(panels)])
+    _legend(canvas, axes_in_order)
+    canvas.align_ylabels(axes_in_order[: len(panels)])
     return canvas
 
 
@@ -122,9 +122,9 @@ def _draw_panel(axes: Axes, panel: Panel, styles: Mapping[str, Style]) -> None:
         axes.set_title(panel.title, loc="left", fontsize=10.0)
 
 
-def _legend(canvas: Canvas, places: list[Axes]) -> None:
+def _legend(canvas: Canvas, axes_in_order: list[Axes]) -> None:
     """One entry a label, above all panels; a curve that is alone in its panel is named by its axis."""
-    lines = [line for axes in places if len(axes.get_lines()) > 1 for line in axes.get_lines()]
+    lines = [line for axes in axes_in_order if len(axes.get_lines()) > 1 for line in axes.get_lines()]
     entries = {str(line.get_label()): line for line in lines if not str(line.get_label()).startswith("_")}
     if len(entries) > 1:
         columns = max(1, min(len(entries), LEGEND_LETTERS // (4 + max(len(label) for label in entries))))
@@ -133,12 +133,12 @@ def _legend(canvas: Canvas, places: list[Axes]) -> None:
 
 
 def _draw_curve(axes: Axes, curve: Curve, style: Style) -> None:
-    seen = thinned(curve)
+    drawn = thinned(curve)
     look: dict[str, Any] = {"color": style.colour, "label": curve.label}
     if curve.points:
-        axes.plot(seen.x, seen.y, ".", markersize=4.0, **look)
+        axes.plot(drawn.x, drawn.y, ".", markersize=4.0, **look)
     else:
-        axes.plot(seen.x, seen.y, style.line, linewidth=style.width, **look)
+        axes.plot(drawn.x, drawn.y, style.line, linewidth=style.width, **look)
 
 
 def slim(drawn: str, key: str, label: str) -> str:

@@ -1,4 +1,4 @@
-"""A trip report as one HTML page: the words, and plots of force, tip, joints and valves with the trip marked at time 0."""
+"""A trip report as one HTML page: its text, and plots of force, tip, joints and valves with the trip marked at time 0."""
 
 from html import escape
 from typing import Any
@@ -10,7 +10,7 @@ from hydrohil.claims.study import Curve, Panel
 from hydrohil.pages.drawing import svg
 from hydrohil.pages.panels import Picture
 from hydrohil.shared.contract.converters import N_PER_FORCE_COUNT, UNIMATE_CONVERTERS, ZERO_CODE
-from hydrohil.shared.trips import formatting as trip_words
+from hydrohil.shared.trips import formatting
 from hydrohil.shared.trips.report import Document
 from hydrohil.shared.trips.tables import GROUND_TRUTH, PERMIT, SAMPLE, STATE, Table, row_of
 from hydrohil.shared.units import NS_PER_S
@@ -29,11 +29,11 @@ Reals = NDArray[np.float64]
 def page(document: Document) -> str:
     """The page's text; nothing is loaded from elsewhere."""
     drawn = "\n".join(svg(Picture(p.y_label, (p,)), f"trip-{k}", f"{p.y_label}, {_X}") for k, p in enumerate(panels(document)))
-    words = "\n".join(trip_words.lines(document)[1:])
+    text = "\n".join(formatting.lines(document)[1:])
     title = f"Trip: {document['cause']}, {document['utc']}"
     head = f'<meta charset="utf-8"/><title>{escape(title)}</title><style>{_STYLE}</style>'
     foot = f"cell {escape(document['cell'])}, run {document['run']}, experiment {escape(document['experiment'])}"
-    body = f"<h1>{escape(title)}</h1>\n<p>{escape(document['sentence'])}</p>\n{drawn}\n<pre>{escape(words)}</pre>\n<p>{foot}</p>"
+    body = f"<h1>{escape(title)}</h1>\n<p>{escape(document['sentence'])}</p>\n{drawn}\n<pre>{escape(text)}</pre>\n<p>{foot}</p>"
     return f'<!DOCTYPE html>\n<html lang="en"><head>{head}</head>\n<body>{body}</body></html>\n'
 
 
@@ -47,12 +47,12 @@ def panels(document: Document) -> list[Panel]:
         ("joints moved, deg, cm", _joints(signals, document["sample"])),
         ("valves in mA", _valves(signals)),
     )
-    made = []
+    found = []
     for label, named in rows:
         curves = tuple(curve for name, table, y in named if (curve := _curve(name, table, y, times)) is not None)
         if curves:
-            made.append(Panel(_X, label, curves))
-    return made
+            found.append(Panel(_X, label, curves))
+    return found
 
 
 def _times(samples: Table, number: int) -> dict[int, float]:
@@ -80,8 +80,8 @@ def _scaled(table: Table, name: str, factor: float, zero_row: int | None = None)
     if values is None:
         return None
     zero = 0.0 if zero_row is None else float(values[zero_row])
-    made: Reals = (values - zero) * factor
-    return made
+    scaled: Reals = (values - zero) * factor
+    return scaled
 
 
 def _forces(signals: Any) -> list[tuple[str, Table, Reals | None]]:
@@ -109,8 +109,8 @@ def _joints(signals: Any, number: int) -> list[tuple[str, Table, Reals | None]]:
 
 
 def _valves(signals: Any) -> list[tuple[str, Table, Reals | None]]:
-    samples, made = signals.get(SAMPLE, {}), []
+    samples, found = signals.get(SAMPLE, {}), []
     for k, (link, converter) in enumerate(zip(_LINKS, UNIMATE_CONVERTERS, strict=True)):
         codes = _column(samples, f"dac_counts[{k}]")
-        made.append((link, samples, None if codes is None else (codes - ZERO_CODE) * converter.scale * 1e3))
-    return made
+        found.append((link, samples, None if codes is None else (codes - ZERO_CODE) * converter.scale * 1e3))
+    return found

@@ -18,8 +18,8 @@ def measured(one: Tally) -> str:
     if one.seeds == 1:
         return f"{number(one.mean)}{unit}"
     missing = one.seeds - len(one.determined)
-    told = f"{number(one.mean)} ± {number(one.spread)}{unit} ({number(min(one.determined))}..{number(max(one.determined))})"
-    return told + (f", not determined in {missing}" if missing else "")
+    text = f"{number(one.mean)} ± {number(one.spread)}{unit} ({number(min(one.determined))}..{number(max(one.determined))})"
+    return text + (f", not determined in {missing}" if missing else "")
 
 
 def _unit(one: Tally) -> str:

@@ -1,4 +1,4 @@
-"""What a worker does: play the trials of a group with one seed, judge its figures, and draw them if asked."""
+"""What a worker does: play the trials of a group with one seed, judge its figures, and draw them if the job says so."""
 
 import time
 from collections.abc import Iterable, Mapping
@@ -11,7 +11,7 @@ from hydrohil.reproduction.plan import Figure, Group, find_figure
 from hydrohil.reproduction.play import Found, Played, judge_figure, play, simulated_s
 from hydrohil.thesis.library import catalogue, find
 
-TIMES_REAL_TIME, DRAWING_S = 400.0, 0.4  # of one core, roughly: for the order of the jobs and the time that is left
+TIMES_REAL_TIME, DRAWING_S = 400.0, 0.4  # of one core, roughly: they give the order of the jobs and the time that is left
 WARM_S = 0.1
 
 
@@ -43,17 +43,17 @@ class Done(NamedTuple):
 
 
 def jobs(groups: Iterable[Group], seeds: int) -> tuple[Job, ...]:
-    """Every group with every seed, the longest first; the first seed is drawn, and no trial means no seed."""
-    made = [Job(group, seed, seed == 0) for group in groups for seed in range(seeds if group.trials else 1)]
-    return tuple(sorted(made, key=lambda job: -job.cost_s))
+    """Every group with every seed, the longest first. The first seed is drawn; a group without trials has one job."""
+    all_jobs = [Job(group, seed, seed == 0) for group in groups for seed in range(seeds if group.trials else 1)]
+    return tuple(sorted(all_jobs, key=lambda job: -job.cost_s))
 
 
 def imported() -> None:
-    """Nothing: whoever can call it has imported what a job needs."""
+    """Do nothing: a process that can call this has imported what a job needs."""
 
 
 def warm() -> None:
-    """Compile, or load what is compiled: a tenth of a second of any trial."""
+    """Compile the loop, or load it from the cache, by playing a tenth of a second of a trial."""
     play(catalogue()[0]._replace(duration_s=WARM_S), 0)
 
 
@@ -69,18 +69,18 @@ def judged(job: Job, played: Mapping[str, Played]) -> Done:
     """Judge and draw trials that were played, whatever the clock."""
     figures = [find_figure(name) for name in job.group.figures]
     found = [judge_figure(figure, played) for figure in figures]
-    drawn = {figure.name: _drawn(figure, played, seen) for figure, seen in zip(figures, found, strict=True)} if job.draw else {}
-    return Done(job, tuple(seen._replace(panels=()) for seen in found), drawn, 0.0)
+    drawn = {figure.name: _drawn(figure, played, shown) for figure, shown in zip(figures, found, strict=True)} if job.draw else {}
+    return Done(job, tuple(shown._replace(panels=()) for shown in found), drawn, 0.0)
 
 
-def _drawn(figure: Figure, played: Mapping[str, Played], seen: Found) -> tuple[Drawing, ...]:
-    made = enumerate(_pictures(figure, played, seen))
+def _drawn(figure: Figure, played: Mapping[str, Played], found: Found) -> tuple[Drawing, ...]:
+    numbered = enumerate(_pictures(figure, played, found))
     title = figure.subject.title
-    return tuple(Drawing(p.title, svg(p, f"{figure.name}-{number}", f"{p.title or 'Plot'}: {title}")) for number, p in made)
+    return tuple(Drawing(p.title, svg(p, f"{figure.name}-{number}", f"{p.title or 'Plot'}: {title}")) for number, p in numbered)
 
 
-def _pictures(figure: Figure, played: Mapping[str, Played], seen: Found) -> tuple[Picture, ...]:
+def _pictures(figure: Figure, played: Mapping[str, Played], found: Found) -> tuple[Picture, ...]:
     if isinstance(figure.subject, Study):
-        return computed(seen.panels)
+        return computed(found.panels)
     trace = played[figure.name].trace
     return () if trace is None or len(trace.t_s) < 2 else pictures(figure.subject, trace)

@@ -20,9 +20,9 @@ def junit(report: Report) -> str:
         suite.add_property("source_version", report.source_version)
         suite.add_property("seeds", str(report.seeds))
         suite.add_property("clock", report.clock)
-        for made in report.results:
-            if CHAPTERS[made.figure.chapter] == chapter.title:
-                suite.add_testcases([_case(made, one, why) for one in made.tallies])
+        for result in report.results:
+            if CHAPTERS[result.figure.chapter] == chapter.title:
+                suite.add_testcases([_case(result, one, why) for one in result.tallies])
         xml.add_testsuite(suite)
     return text(xml)
 
@@ -35,16 +35,16 @@ def text(xml: JUnitXml) -> str:
     return file.getvalue().decode()
 
 
-def _case(made: Result, one: Tally, why: dict[tuple[str, str], str]) -> TestCase:
-    case = TestCase(one.claim.statement, made.figure.name)
+def _case(result: Result, one: Tally, why: dict[tuple[str, str], str]) -> TestCase:
+    case = TestCase(one.claim.statement, result.figure.name)
     case.system_out = f"stated {band(one.claim)}; measured {measured(one)}; {verdict(one)}"
     if one.holds:
         return case
-    reason = why[made.figure.name, one.claim.statement] or "unexplained"
-    told = f"stated: {band(one.claim)}\nmeasured: {measured(one)}\nsource: {one.claim.source}\nexplanation: {reason}"
-    if made.tripped or made.gaps:
-        case.result = [Error("; ".join((*made.tripped, *made.gaps)), "no verdict")]
+    reason = why[result.figure.name, one.claim.statement] or "unexplained"
+    text = f"stated: {band(one.claim)}\nmeasured: {measured(one)}\nsource: {one.claim.source}\nexplanation: {reason}"
+    if result.tripped or result.gaps:
+        case.result = [Error("; ".join((*result.tripped, *result.gaps)), "no verdict")]
     else:
         case.result = [Failure(f"{verdict(one)}: stated {band(one.claim)}, measured {measured(one)}", "claim")]
-    case.result[0].text = told
+    case.result[0].text = text
     return case

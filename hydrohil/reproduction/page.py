@@ -1,4 +1,4 @@
-"""One HTML page with everything in it: nothing is loaded from elsewhere."""
+"""The report as one HTML page, which loads nothing from elsewhere."""
 
 from itertools import groupby
 
@@ -6,7 +6,7 @@ from jinja2 import ChoiceLoader, Environment, PackageLoader
 
 from hydrohil.claims.claims import band
 from hydrohil.claims.pairs import PairClaim
-from hydrohil.reproduction import formatting as words
+from hydrohil.reproduction import formatting
 from hydrohil.reproduction.explanations import explanation
 from hydrohil.reproduction.parameters import differences
 from hydrohil.reproduction.plan import CHAPTERS, Figure
@@ -18,23 +18,23 @@ def page(report: Report) -> str:
     """The page's text."""
     loader = ChoiceLoader([PackageLoader("hydrohil.reproduction", ""), PackageLoader("hydrohil.pages", "")])
     environment = Environment(loader=loader, autoescape=True, trim_blocks=True)
-    by_chapter = groupby(report.results, key=lambda made: made.figure.chapter)
+    by_chapter = groupby(report.results, key=lambda result: result.figure.chapter)
     return environment.get_template("page.html").render(
         report=report,
         rows=[*report.counts, report.total],
         enough=ENOUGH_PERCENT,
         chapters=[(CHAPTERS[chapter], list(results)) for chapter, results in by_chapter],
-        present={made.figure.name for made in report.results},
+        present={result.figure.name for result in report.results},
         failures=failures(report.results),
         compared=[(r.figure, one) for r in report.results for one in r.tallies if isinstance(one.claim, PairClaim)],
         heading=heading,
         why=_why,
         parameters=differences,
         band=band,
-        measured=words.measured,
-        verdict=words.verdict,
-        duration=words.duration,
-        number=words.number,
+        measured=formatting.measured,
+        verdict=formatting.verdict,
+        duration=formatting.duration,
+        number=formatting.number,
     )
 
 
@@ -46,5 +46,5 @@ def heading(figure: Figure) -> str:
     return "Figure " + ", ".join(name.removeprefix("fig-") for name in names)
 
 
-def _why(made: Result, one: Tally) -> str:
-    return explanation(made.figure.name, one.claim.statement)
+def _why(result: Result, one: Tally) -> str:
+    return explanation(result.figure.name, one.claim.statement)

@@ -28,5 +28,5 @@ def _differing(path: str, value: Any, default: Any) -> list[str]:
 
 
 def _inline(segment: Segment) -> str:
-    told = {name: value for name, value in segment._asdict().items() if value != Segment._field_defaults.get(name)}
-    return "{ " + ", ".join(f"{name} = {json.dumps(value)}" for name, value in told.items()) + " }"
+    given = {name: value for name, value in segment._asdict().items() if value != Segment._field_defaults.get(name)}
+    return "{ " + ", ".join(f"{name} = {json.dumps(value)}" for name, value in given.items()) + " }"

@@ -79,14 +79,14 @@ def figures() -> tuple[Figure, ...]:
     subjects: tuple[Experiment | Study, ...] = (*catalogue(), *STUDIES)
     second |= {study.name: study.also for study in STUDIES}
     found = [Figure(s.name, s, chapter_of(s.name, s.source), second.get(s.name, ())) for s in subjects]
-    places, reached = {}, dict.fromkeys(CHAPTERS, 0)
+    order, reached = {}, dict.fromkeys(CHAPTERS, 0)
     for figure in found:
         number = re.match(r"fig-\d+-(\d+)", figure.name)
         at = int(number[1]) if number else LAST if figure.computed else reached[figure.chapter]
         if not figure.computed:
             reached[figure.chapter] = at  # what has no number stays with its predecessor
-        places[figure.name] = ([*CHAPTERS].index(figure.chapter), at)
-    return tuple(sorted(found, key=lambda figure: places[figure.name]))
+        order[figure.name] = ([*CHAPTERS].index(figure.chapter), at)
+    return tuple(sorted(found, key=lambda figure: order[figure.name]))
 
 
 def find_figure(name: str) -> Figure:
@@ -98,11 +98,11 @@ def find_figure(name: str) -> Figure:
     return known[name]
 
 
-def choose(wanted: Sequence[str]) -> tuple[Figure, ...]:
+def choose(chosen: Sequence[str]) -> tuple[Figure, ...]:
     """Figures of chapters (`5`, `appendix`) and by name (`fig-4-25`); all, if nothing is asked for. Raises ExperimentError."""
     names: set[str] = set()
     problems: list[str] = []
-    for word in wanted:
+    for word in chosen:
         try:
             if word not in CHAPTERS:
                 names.add(find_figure(word).name)
@@ -110,7 +110,7 @@ def choose(wanted: Sequence[str]) -> tuple[Figure, ...]:
             problems += unknown.problems
     if problems:
         raise ExperimentError(problems)
-    return tuple(figure for figure in figures() if not wanted or figure.name in names or figure.chapter in wanted)
+    return tuple(figure for figure in figures() if not chosen or figure.name in names or figure.chapter in chosen)
 
 
 def groups(chosen: Iterable[Figure]) -> tuple[Group, ...]:

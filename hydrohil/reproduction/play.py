@@ -55,13 +55,13 @@ def played(outcome: Outcome) -> Played:
 
 def judge_figure(figure: Figure, played: Mapping[str, Played]) -> Found:
     """Every claim of `figure`; one whose trial ended early or has a gap does not hold, and is NaN."""
-    seen = [(name, played[name]) for name in figure.trials]
-    tripped = "; ".join(f"{name}: {trial.tripped}" for name, trial in seen if trial.tripped)
-    gap = "; ".join(f"{name}: {trial.gap}" for name, trial in seen if trial.gap)
-    traces = {name: trial.trace for name, trial in seen if trial.counts and trial.trace is not None}
+    trials = [(name, played[name]) for name in figure.trials]
+    tripped = "; ".join(f"{name}: {trial.tripped}" for name, trial in trials if trial.tripped)
+    gap = "; ".join(f"{name}: {trial.gap}" for name, trial in trials if trial.gap)
+    traces = {name: trial.trace for name, trial in trials if trial.counts and trial.trace is not None}
     if not isinstance(figure.subject, Study):
         return Found(figure.name, _of_trial(figure, figure.subject, traces), (), tripped, gap)
-    if len(traces) < len(seen):
+    if len(traces) < len(trials):
         return Found(figure.name, (verdict(UNPLAYED, math.nan),), (), tripped, gap)
     studied = figure.subject.run([traces[name] for name in figure.trials])
     return Found(figure.name, studied.verdicts, studied.panels)

@@ -1,4 +1,4 @@
-"""Jobs on several processes. What is compiled is compiled once, before the others need it."""
+"""Jobs on several processes. The loop is compiled once, by one of them, before the others load it."""
 
 import multiprocessing
 import signal
@@ -20,20 +20,21 @@ class LostWorkerError(HydrohilError):
 
 
 @contextmanager
-def _deaf() -> Iterator[None]:
-    """Spawn processes that Ctrl-C does not reach: the terminal sends it to all, the one that started them decides.
+def _interrupts_blocked() -> Iterator[None]:
+    """Spawn processes that ignore Ctrl-C. The terminal sends it to all of them; this process decides what then happens.
 
-    They inherit the blocked signal. Here it may arrive in another thread all the same, so it is remembered, and raised after.
+    They inherit the blocked signal. In this process another thread may still receive it, so a handler remembers it and
+    KeyboardInterrupt is raised when the processes have been spawned.
     """
-    heard: list[int] = []
-    handler = signal.signal(signal.SIGINT, lambda number, _: heard.append(number))
+    interrupts: list[int] = []
+    handler = signal.signal(signal.SIGINT, lambda number, _: interrupts.append(number))
     mask = signal.pthread_sigmask(signal.SIG_BLOCK, {signal.SIGINT})
     try:
         yield
     finally:
         signal.pthread_sigmask(signal.SIG_SETMASK, mask)
         signal.signal(signal.SIGINT, handler)
-    if heard:
+    if interrupts:
         raise KeyboardInterrupt
 
 
@@ -41,19 +42,19 @@ class Pool:
     """Processes that are spawned when there is work for them."""
 
     def __init__(self, workers: int) -> None:
-        """None is started yet."""
+        """No process is started yet."""
         self._executor = ProcessPoolExecutor(workers, mp_context=multiprocessing.get_context("spawn"))
         self._before = set(multiprocessing.active_children())
 
     def submit(
         self, function: Callable[Arguments, Answer], *arguments: Arguments.args, **named: Arguments.kwargs
     ) -> Future[Answer]:
-        """Let a process do it, which may have to be spawned first."""
-        with _deaf():
+        """Call `function` in a process, which is spawned if there are not enough yet."""
+        with _interrupts_blocked():
             return self._executor.submit(function, *arguments, **named)
 
     def run(self, jobs: Sequence[Job]) -> Iterator[Done]:
-        """What each job found, as it comes. Raises BrokenProcessPool."""
+        """What each job found, in the order in which they end. Raises BrokenProcessPool."""
         for future in as_completed([self.submit(work, job) for job in jobs]):
             yield future.result()
 
@@ -69,18 +70,18 @@ class Pool:
 
 @contextmanager
 def pool(workers: int) -> Iterator[Pool]:
-    """`workers` processes; one compiles while the others import. Killed on an exception. Raises LostWorkerError."""
-    made = Pool(workers)
+    """`workers` processes: one compiles while the others import. An exception ends them all. Raises LostWorkerError."""
+    pool = Pool(workers)
     try:
-        ready = made.submit(warm)
+        ready = pool.submit(warm)
         for _ in range(workers - 1):
-            made.submit(imported)
+            pool.submit(imported)
         ready.result()
-        yield made
+        yield pool
     except BrokenProcessPool:
         raise LostWorkerError("a worker process has died: is there memory enough? try --workers 1") from None
     except BaseException:
-        made.kill()
+        pool.kill()
         raise
     finally:
-        made.close()
+        pool.close()

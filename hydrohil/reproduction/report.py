@@ -1,4 +1,4 @@
-"""All that was reproduced at once, as data: for the page, the JUnit file, and a machine."""
+"""All that was reproduced, as data: the page, the JUnit file and the JSON file are written from it."""
 
 import json
 import math
@@ -11,11 +11,12 @@ from typing import Any, NamedTuple
 from hydrohil.claims.claims import band
 from hydrohil.reproduction.jobs import Done
 from hydrohil.reproduction.plan import Figure
-from hydrohil.reproduction.tally import Count, Result, Tally, counts, exit_status, failures, result, total
+from hydrohil.reproduction.tally import Count, Result, Tally, counts, exit_status, failures, total
+from hydrohil.reproduction.tally import result as result_of
 
 
 class Report(NamedTuple):
-    """Every figure, and how it was made."""
+    """Every figure, and on which clock, with how many seeds and by which sources it was reproduced."""
 
     results: tuple[Result, ...]
     clock: str
@@ -45,12 +46,12 @@ class Report(NamedTuple):
 
 def gathered(figures: tuple[Figure, ...], done: list[Done]) -> tuple[Result, ...]:
     """What all jobs found, figure by figure, seeds in their order."""
-    ordered = sorted(done, key=lambda made: made.job.seed)
-    drawn = {name: drawings for made in ordered for name, drawings in made.drawn.items()}
+    ordered = sorted(done, key=lambda one: one.job.seed)
+    drawn = {name: drawings for one in ordered for name, drawings in one.drawn.items()}
     return tuple(
-        result(
+        result_of(
             figure,
-            [(made.job.seed, seen) for made in ordered for seen in made.found if seen.figure == figure.name],
+            [(one.job.seed, found) for one in ordered for found in one.found if found.figure == figure.name],
             drawn.get(figure.name, ()),
         )
         for figure in figures
@@ -58,13 +59,16 @@ def gathered(figures: tuple[Figure, ...], done: list[Done]) -> tuple[Result, ...
 
 
 def times_real_time(done: list[Done]) -> float:
-    """Simulated seconds per second of one core, median over the jobs: while several run, and a cold one loads."""
-    speeds = [made.job.simulated_s / made.played_s for made in done if made.job.group.trials and made.played_s > 0.0]
+    """Simulated seconds per second of one core, median over the jobs; NaN where none was played on the local clock.
+
+    Jobs that run at the same time slow each other, and the first one includes the load of the compiled loop.
+    """
+    speeds = [one.job.simulated_s / one.played_s for one in done if one.job.group.trials and one.played_s > 0.0]
     return median(speeds) if speeds else math.nan
 
 
 def machine() -> str:
-    """Which computer this is: its processor, how many of them, its system and Python."""
+    """This computer: processor, number of cores, system and Python."""
     names = [line.partition(":")[2].strip() for line in _cpuinfo() if line.startswith("model name")]
     processor = names[0] if names else platform.processor() or platform.machine()
     cores = len(os.sched_getaffinity(0))
@@ -79,9 +83,9 @@ def _cpuinfo() -> list[str]:
 
 
 def to_json(report: Report) -> str:
-    """The report for a machine."""
+    """The report as JSON text."""
     whole = report.total
-    told = {
+    document = {
         "source_version": report.source_version,
         "clock": report.clock,
         "seeds": report.seeds,
@@ -98,21 +102,21 @@ def to_json(report: Report) -> str:
             {"figure": f.figure.name, "statement": f.tally.claim.statement, "why": f.why or None}
             for f in failures(report.results)
         ],
-        "figures": [_figure(made) for made in report.results],
+        "figures": [_figure(result) for result in report.results],
     }
-    return json.dumps(told, indent=2, allow_nan=False) + "\n"
+    return json.dumps(document, indent=2, allow_nan=False) + "\n"
 
 
-def _figure(made: Result) -> dict[str, Any]:
-    subject = made.figure.subject
+def _figure(result: Result) -> dict[str, Any]:
+    subject = result.figure.subject
     return {
-        "name": made.figure.name,
-        "names": list(made.figure.names),
+        "name": result.figure.name,
+        "names": list(result.figure.names),
         "title": subject.title,
         "source": subject.source,
-        "tripped": list(made.tripped),
-        "gaps": list(made.gaps),
-        "claims": [_claim(one) for one in made.tallies],
+        "tripped": list(result.tripped),
+        "gaps": list(result.gaps),
+        "claims": [_claim(one) for one in result.tallies],
     }
 
 

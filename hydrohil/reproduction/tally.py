@@ -89,19 +89,19 @@ def tally(verdicts: Sequence[Verdict]) -> Tally:
 def result(figure: Figure, found: Sequence[tuple[int, Found]], drawings: tuple[Drawing, ...]) -> Result:
     """`found` holds what each seed shows; a figure computed from no trial is the same in all and counts once."""
     by_statement: dict[str, list[Verdict]] = {}
-    for _, seen in found:
-        for verdict in seen.verdicts:
+    for _, shown in found:
+        for verdict in shown.verdicts:
             by_statement.setdefault(verdict.claim.statement, []).append(verdict)
-    tripped = tuple(f"seed {seed}: {seen.tripped}" for seed, seen in found if seen.tripped)
-    gaps = tuple(f"seed {seed}: {seen.gap}" for seed, seen in found if seen.gap)
+    tripped = tuple(f"seed {seed}: {shown.tripped}" for seed, shown in found if shown.tripped)
+    gaps = tuple(f"seed {seed}: {shown.gap}" for seed, shown in found if shown.gap)
     return Result(figure, tuple(tally(verdicts) for verdicts in by_statement.values()), drawings, tripped, gaps)
 
 
 def counts(results: Iterable[Result]) -> tuple[Count, ...]:
     """One row a chapter, in their order."""
     chapters: dict[str, list[Result]] = {}
-    for made in results:
-        chapters.setdefault(made.figure.chapter, []).append(made)
+    for result in results:
+        chapters.setdefault(result.figure.chapter, []).append(result)
     return tuple(_count(CHAPTERS[chapter], of) for chapter, of in chapters.items())
 
 
@@ -111,24 +111,24 @@ def total(results: Sequence[Result]) -> Count:
 
 
 def _count(title: str, results: Sequence[Result]) -> Count:
-    tallies = [made for of in results for made in of.tallies]
-    return Count(title, len(results), len(tallies), sum(made.holds for made in tallies))
+    tallies = [one for result in results for one in result.tallies]
+    return Count(title, len(results), len(tallies), sum(one.holds for one in tallies))
 
 
 def failures(results: Iterable[Result]) -> tuple[Failure, ...]:
     """Every claim that does not hold, with the best explanation."""
     return tuple(
-        Failure(made.figure, one, explanation(made.figure.name, one.claim.statement))
-        for made in results
-        for one in made.tallies
+        Failure(result.figure, one, explanation(result.figure.name, one.claim.statement))
+        for result in results
+        for one in result.tallies
         if not one.holds
     )
 
 
 def exit_status(results: Sequence[Result]) -> int:
     """3 a trial tripped, 5 a trial has gaps, 1 a claim does not hold, 0 all hold."""
-    if any(made.tripped for made in results):
+    if any(result.tripped for result in results):
         return EXIT_TRIPPED
-    if any(made.gaps for made in results):
+    if any(result.gaps for result in results):
         return EXIT_TRANSPORT
     return EXIT_CLAIM if failures(results) else EXIT_OK

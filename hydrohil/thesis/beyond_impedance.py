@@ -81,7 +81,7 @@ def beyond(
 
 
 def rest(mass_kg: float, filtered: bool, claims: tuple[Claim, ...]) -> Experiment:
-    """In free space nothing is asked, so that what moves is moved by noise (9.3.1)."""
+    """The set-point rests in free space, so that only noise moves the tool (9.3.1)."""
     impedance, words = light(True, mass_kg, filtered), f"{mass_kg:g} kg at rest{', filtered' if filtered else ''}"
     name, controller = name_of("rest", mass_kg, filtered), ControllerConfig(impedance=impedance)
     return beyond(

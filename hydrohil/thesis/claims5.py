@@ -132,7 +132,7 @@ _FREE_SPACE = {
 
 
 def _quiet() -> tuple[Claim, ...]:
-    """No limit cycle: the link rests, and the valve is asked for nothing that could move it."""
+    """No limit cycle: the link rests, and no current is commanded that could move it."""
     rests = at_most("The link rests", Measure("peak_to_peak_counts", "q2", "counts", STEADY_S, END_S), 2.0, _QUIET)
     return (
         rests,
@@ -146,7 +146,7 @@ def _quiet() -> tuple[Claim, ...]:
 def _static(percent: float, source: str) -> tuple[Claim, ...]:
     """The steady force error in percent, as an accuracy that is reached.
 
-    The figure's own error cannot be asked for: most of it is the law's dead zone, a force that does not grow with the
+    The error in the figure cannot be the band: most of it is the law's dead zone, a force that does not grow with the
     step, and the text does not state the step's size.
     """
     return (

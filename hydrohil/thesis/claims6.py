@@ -2,7 +2,7 @@
 
 "A very high correlation" is 0.9 and more, the usual grading of a coefficient. "Very closely" is two encoder counts, the limit
 of the positioning ability, and the force of two counts on k_eff: a fiftieth of the step, as in chapter 4, would be finer than
-the encoder. "Approximate" levels are true to a twentieth of the step. Limit cycles are told as in chapter 7.
+the encoder. "Approximate" levels are true to a twentieth of the step. Limit cycles are recognised as in chapter 7.
 """
 
 from hydrohil.claims.bands import Measure, at_least, at_most, between

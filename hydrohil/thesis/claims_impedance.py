@@ -1,6 +1,6 @@
 """What 9.3.1 and 9.3.4 of the thesis expect of a quieter gauge and of an impedance that adapts, as bands.
 
-"Smooth": while nothing is asked, the control never goes from side to side and the link rests within the two counts of its
+"Smooth": while the set-point rests, the control never goes from side to side and the link rests within the two counts of its
 positioning ability. A threshold holds for the reading, noise included. "No more" allows a tenth.
 """
 
@@ -39,7 +39,7 @@ _CONTRAST = 'thesis 9.3.4: "The advantages and disadvantages of the different te
 
 
 def _at_rest(source: str) -> tuple[Claim, ...]:
-    """Nothing is asked, so nothing is done."""
+    """The set-point rests; so must control and link."""
     reversals = Measure("control_reversals", "q2", "counts", 0.0, REST_END_S)
     return (
         at_most("The control does not go from side to side", reversals, 0.0, source),

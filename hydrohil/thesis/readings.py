@@ -1,9 +1,9 @@
-"""How the words and numbers of a source are read as bands: once, the same for every study, as in `hydrohil.thesis.claims4`."""
+"""How words and numbers of a source become bands, the same for every study; `hydrohil.thesis.claims4` does it for trials."""
 
 from hydrohil.claims.claims import Unit, Verdict, verdict
 from hydrohil.claims.study import Statement
 
-TENTH = 0.1  # "good", "closely", "large", "appreciable", "much", "near zero" are told from the rest at a tenth
+TENTH = 0.1  # "good", "closely", "large", "appreciable", "much", "near zero" begin, or end, at a tenth
 HALF = 0.5  # "clearly visible", "greatly": at least half
 
 

@@ -60,7 +60,7 @@ def signals_study(traces: Sequence[Trace]) -> Studied:
 def estimate_deg_per_s(rates: Reals, set_rates: Reals) -> Reals:
     """(n,) the controller's velocity error caused by stiction, for velocities and set-point velocities in deg/s."""
     pairs = zip((rates * RAD_PER_DEG).tolist(), (set_rates * RAD_PER_DEG).tolist(), strict=True)
-    return np.array([stiction_rate(DOWN_UP_GAINS, rate, wanted) for rate, wanted in pairs]) / RAD_PER_DEG
+    return np.array([stiction_rate(DOWN_UP_GAINS, rate, set_rate) for rate, set_rate in pairs]) / RAD_PER_DEG
 
 
 def half_factor_rate(set_rates: Reals) -> Reals:
@@ -69,13 +69,13 @@ def half_factor_rate(set_rates: Reals) -> Reals:
 
 
 def plane_study(_: Sequence[Trace]) -> Studied:
-    """Figure 4-15: the stiction error over measured and wanted velocity."""
+    """Figure 4-15: the stiction error over measured and set velocity."""
     axis = np.linspace(-RATES_DEG_PER_S, RATES_DEG_PER_S, 161)
-    rates, wanted = (grid.ravel() for grid in np.meshgrid(axis, axis))
-    surface = estimate_deg_per_s(rates, wanted)
+    rates, set_rates = (grid.ravel() for grid in np.meshgrid(axis, axis))
+    surface = estimate_deg_per_s(rates, set_rates)
     along = estimate_deg_per_s(axis, np.full_like(axis, 1.0))
     factor = along[axis != 1.0] / (1.0 - axis[axis != 1.0])
-    lines = tuple(Curve(f"{v:g} deg/s wanted", axis, estimate_deg_per_s(axis, np.full_like(axis, v))) for v in LINES_DEG_PER_S)
+    lines = tuple(Curve(f"{v:g} deg/s set", axis, estimate_deg_per_s(axis, np.full_like(axis, v))) for v in LINES_DEG_PER_S)
     edge = half_factor_rate(axis)
     region = (Curve("factor 1/2", edge, axis), Curve("", -edge, axis), Curve("q' = q_s'", axis, axis))
     panels = (
@@ -90,6 +90,6 @@ def plane_study(_: Sequence[Trace]) -> Studied:
         below("Share of the velocity plane with half of the largest estimate", "%", 100.0 * TENTH, share, _LINE),
         below("Velocity at which the nonlinear factor is greatest", "deg/s", 0.0, greatest, _FACTOR),
         below("Estimate while the set-point stands", "deg/s", 0.0, unchanging, _UNCHANGING),
-        below("Estimate at half of the wanted velocity, over that when stuck", "1", TENTH, moving, _MOTION),
+        below("Estimate at half of the set velocity, over that when stuck", "1", TENTH, moving, _MOTION),
     )
     return Studied(panels, verdicts)

@@ -43,7 +43,7 @@ Cell = float | int | str
 
 
 class Step(NamedTuple):
-    """One step of Appendix C: what was asked, what was tried and measured, what was decided."""
+    """One step of Appendix C: its rule, the values that were tried and measured, and the decision."""
 
     number: int
     title: str
@@ -59,13 +59,13 @@ def middle(bench: Bench) -> float:
     return middle_q(bench.experiment, bench.link, bench.experiment.controller.gains[bench.link])
 
 
-def play(bench: Bench, law: Law, gains: LinkGains, wanted: Pattern) -> tuple[Trace, ...] | None:
+def play(bench: Bench, law: Law, gains: LinkGains, setpoint: Pattern) -> tuple[Trace, ...] | None:
     """One trace a seed; none if a trial did not run to its end."""
-    made = trial(bench.experiment, bench.link, law, gains, wanted, middle(bench))
+    experiment = trial(bench.experiment, bench.link, law, gains, setpoint, middle(bench))
     traces = []
     for seed in bench.seeds:
-        trace = bench.run(made, seed)
-        if not whole(trace, made.duration_s):
+        trace = bench.run(experiment, seed)
+        if not whole(trace, experiment.duration_s):
             return None
         traces.append(trace)
     return tuple(traces)
@@ -86,10 +86,10 @@ def a_per_printed(link: int) -> float:
     return A_PER_MA if link == OUT_IN else A_PER_RAD_PER_MA_PER_DEG
 
 
-def worst_ringing(bench: Bench, traces: tuple[Trace, ...], wanted: Pattern) -> Ringing:
+def worst_ringing(bench: Bench, traces: tuple[Trace, ...], setpoint: Pattern) -> Ringing:
     """Of the seed in which ringing lasts longest."""
     least = bench.criteria.ripple_counts
-    return max((measure.ringing(trace, bench.link, wanted, least) for trace in traces), key=lambda ring: lasting(ring, least))
+    return max((measure.ringing(trace, bench.link, setpoint, least) for trace in traces), key=lambda ring: lasting(ring, least))
 
 
 def rings_on(criteria: Criteria, ring: Ringing) -> bool:
@@ -98,5 +98,5 @@ def rings_on(criteria: Criteria, ring: Ringing) -> bool:
 
 
 def yes(passed: bool) -> str:
-    """In words."""
+    """`passed` as a word of the table."""
     return "yes" if passed else "no"

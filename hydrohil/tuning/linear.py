@@ -13,7 +13,7 @@ from hydrohil.tuning.patterns import pattern
 from hydrohil.tuning.search import Found, Tried, largest
 
 FULL_CURRENT_A = 2048 / COUNTS_PER_A  # where the program's control saturates
-FIRST_SHARE = 0.25  # the first K_P asks for full current at this share of the large pattern
+FIRST_SHARE = 0.25  # the first K_P commands full current at this share of the large pattern
 FIRST_RATE_PER_S = 0.1  # the first K_I over K_P: an integral that takes 10 s for what the error does at once
 FACTOR = math.sqrt(2.0)
 WIDEST = 1024.0  # gains are sought this far from the first
@@ -22,22 +22,22 @@ FOLLOWS = 0.9  # of the set speed: below, the link does not follow and its rippl
 
 def judge_proportional(bench: Bench, gains: LinkGains, value: float) -> Tried:
     """Ringing at constant speed, turns at rest and share of the set speed under P control; the worst seed."""
-    wanted, link = pattern("large-ramp", bench.link, gains), bench.link
-    traces = play(bench, "pi", gains._replace(kp_a_per_q=value, linear_ki_a_per_q_s=0.0), wanted)
+    setpoint, link = pattern("large-ramp", bench.link, gains), bench.link
+    traces = play(bench, "pi", gains._replace(kp_a_per_q=value, linear_ki_a_per_q_s=0.0), setpoint)
     if traces is None:
         return Tried(value, False, (math.inf, math.inf, math.inf, 0.0))
-    ring = worst_ringing(bench, traces, wanted)
-    hunting = max(measure.hunting(trace, link, wanted) for trace in traces)
-    share = min(measure.cruise_share(trace, link, wanted) for trace in traces)
+    ring = worst_ringing(bench, traces, setpoint)
+    hunting = max(measure.hunting(trace, link, setpoint) for trace in traces)
+    share = min(measure.cruise_share(trace, link, setpoint) for trace in traces)
     steady = not rings_on(bench.criteria, ring) and hunting <= bench.criteria.hunting
     return Tried(value, steady, (*ring, float(hunting), share))
 
 
 def proportional(bench: Bench, gains: LinkGains) -> Step:
     """Step 1: the largest K_P of P control whose ringing dies away on the large ramp, less the margin."""
-    wanted = pattern("large-ramp", bench.link, gains)
-    first = FULL_CURRENT_A / (FIRST_SHARE * wanted.size_q)
-    ceiling = FULL_CURRENT_A / count_size(LINKS[bench.link])  # one count would ask for full current
+    setpoint = pattern("large-ramp", bench.link, gains)
+    first = FULL_CURRENT_A / (FIRST_SHARE * setpoint.size_q)
+    ceiling = FULL_CURRENT_A / count_size(LINKS[bench.link])  # at which one count commands full current
     found = largest(
         lambda value: judge_proportional(bench, gains, value),
         first,

@@ -32,9 +32,9 @@ class Ringing(NamedTuple):
     late: float
 
 
-def ringing(trace: Trace, link: int, wanted: Pattern, least: float) -> Ringing:
+def ringing(trace: Trace, link: int, setpoint: Pattern, least: float) -> Ringing:
     """Of the constant speed in which ringing lasts longest; below `least` counts it is none."""
-    found = [_ringing(window(trace, *cruise), link) for cruise in wanted.cruises_s]
+    found = [_ringing(window(trace, *cruise), link) for cruise in setpoint.cruises_s]
     return max(found, key=lambda ring: lasting(ring, least))
 
 
@@ -57,36 +57,36 @@ def _ripple_counts(part: Trace, link: int) -> float:
     return float(np.std(wrong - np.polyval(np.polyfit(t, wrong, TREND_DEGREE), t))) / count_size(LINKS[link])
 
 
-def cruise_share(trace: Trace, link: int, wanted: Pattern) -> float:
+def cruise_share(trace: Trace, link: int, setpoint: Pattern) -> float:
     """Speed of the link over that of its set-point while the latter is constant; the smallest."""
-    return min(_speed_share(window(trace, *cruise), link) for cruise in wanted.cruises_s)
+    return min(_speed_share(window(trace, *cruise), link) for cruise in setpoint.cruises_s)
 
 
 def _speed_share(part: Trace, link: int) -> float:
-    way, asked = measured(part, LINKS[link]), set_point(part, LINKS[link])
-    return float((way[-1] - way[0]) / (asked[-1] - asked[0]))
+    position, steps = measured(part, LINKS[link]), set_point(part, LINKS[link])
+    return float((position[-1] - position[0]) / (steps[-1] - steps[0]))
 
 
-def cruise_current_a(trace: Trace, link: int, wanted: Pattern) -> float:
+def cruise_current_a(trace: Trace, link: int, setpoint: Pattern) -> float:
     """Mean valve current, without sign, that holds the constant speed."""
-    currents = [abs(float(np.mean(control(window(trace, *cruise), LINKS[link])))) for cruise in wanted.cruises_s]
+    currents = [abs(float(np.mean(control(window(trace, *cruise), LINKS[link])))) for cruise in setpoint.cruises_s]
     return float(np.mean(currents))
 
 
-def hunting(trace: Trace, link: int, wanted: Pattern) -> int:
+def hunting(trace: Trace, link: int, setpoint: Pattern) -> int:
     """How often the link turns round while its set-point stands; the worse of both rests. A last correction counts as one."""
     least = HUNTING_COUNTS * count_size(LINKS[link])
-    return max(swings(measured(window(trace, *rest), LINKS[link]), least) for rest in wanted.rests_s)
+    return max(swings(measured(window(trace, *rest), LINKS[link]), least) for rest in setpoint.rests_s)
 
 
-def overshoot_q(trace: Trace, link: int, wanted: Pattern) -> float:
+def overshoot_q(trace: Trace, link: int, setpoint: Pattern) -> float:
     """How far the link goes beyond the end of its way there or back; the worse."""
-    return max(tracking.overshoot(window(trace, *half), LINKS[link]) for half in wanted.halves_s)
+    return max(tracking.overshoot(window(trace, *half), LINKS[link]) for half in setpoint.halves_s)
 
 
-def overshoot_counts(trace: Trace, link: int, wanted: Pattern) -> float:
+def overshoot_counts(trace: Trace, link: int, setpoint: Pattern) -> float:
     """The same in encoder counts."""
-    return overshoot_q(trace, link, wanted) / count_size(LINKS[link])
+    return overshoot_q(trace, link, setpoint) / count_size(LINKS[link])
 
 
 def rms_error_q(trace: Trace, link: int) -> float:

@@ -31,12 +31,12 @@ def judge_integral(bench: Bench, gains: LinkGains, value: float) -> Tried:
     """Error and ringing of the fastest ramp; turns at rest, overshoot of the small step, large swings of the sine; worst seed."""
     link, criteria, tried = bench.link, bench.criteria, gains._replace(ki_a_per_q_s=value)
     ramp, step, small, sine = (pattern(name, link, gains) for name in ("large-ramp", "small-step", "small-ramp", "sine"))
-    ramped, stepped, crept, waved = (play(bench, "morse", tried, wanted) for wanted in (ramp, step, small, sine))
+    ramped, stepped, crept, waved = (play(bench, "morse", tried, setpoint) for setpoint in (ramp, step, small, sine))
     if ramped is None or stepped is None or crept is None or waved is None:
         return Tried(value, False, (math.inf,) * 6)
     ring = worst_ringing(bench, ramped, ramp)
     rests: tuple[tuple[Pattern, tuple[Trace, ...]], ...] = ((ramp, ramped), (step, stepped), (small, crept))
-    turns = max(measure.hunting(trace, link, wanted) for wanted, traces in rests for trace in traces)
+    turns = max(measure.hunting(trace, link, setpoint) for setpoint, traces in rests for trace in traces)
     overshoot = max(measure.overshoot_counts(trace, link, step) for trace in stepped)
     swing = max(measure.large_swings(trace, link) for trace in waved)
     error = float(np.median([measure.rms_error_q(trace, link) for trace in ramped]))
@@ -118,7 +118,7 @@ def integral_step(bench: Bench, tuned: Tuned) -> Step:
         title="optimum K_I, modified Morse law",
         rule=f"least error of the fastest ramp; nothing rings or hunts, the small step overshoots by at most "
         f"{criteria.overshoot_counts:g} counts, the sine's large swings by at most {criteria.swing_ratio - 1.0:.0%}",
-        columns=(f"K_I {name}", *seen(bench)),
+        columns=(f"K_I {name}", *headings(bench)),
         rows=tuple((o.value / printed, o.numbers[0] / scale, *o.numbers[1:], yes(o.passed)) for o in tuned.integral.tried),
         decision=decision,
         gains=tuned.with_integral,
@@ -136,14 +136,14 @@ def alpha_step(bench: Bench, tuned: Tuned) -> Step:
         number=4,
         title="alpha_max: optimum alpha, modified Morse law",
         rule=f"the smallest alpha whose error on the fastest ramp is within {cost:.0%} of the least; patterns as in step 3",
-        columns=(f"alpha {name}", *seen(bench)),
+        columns=(f"alpha {name}", *headings(bench)),
         rows=tuple((o.value / square, o.numbers[0] / scale, *o.numbers[1:], yes(o.passed)) for o in tuned.alphas),
         decision=decision,
         gains=tuned.gains,
     )
 
 
-def seen(bench: Bench) -> tuple[str, ...]:
+def headings(bench: Bench) -> tuple[str, ...]:
     """Headings of what both steps measure."""
     error = f"ramp rms {unit(bench.link)}"
     return (error, "ripple early", "late, counts", "turns at rest", "step over, counts", "sine swing", "good")

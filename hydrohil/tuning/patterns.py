@@ -75,13 +75,13 @@ def middle_q(experiment: Experiment, link: int, gains: LinkGains) -> float:
     return 0.5 * (low + high) if low > high else min(max(experiment.plant.initial_q[link], low), high)
 
 
-def trial(experiment: Experiment, link: int, law: Law, gains: LinkGains, wanted: Pattern, middle: float) -> Experiment:
+def trial(experiment: Experiment, link: int, law: Law, gains: LinkGains, setpoint: Pattern, middle: float) -> Experiment:
     """`experiment`'s plant in free space with one link on `wanted` under `law` and `gains`.
 
     The other valves stay shut: each link is tuned in isolation (Appendix C).
     """
     pose, all_gains = list(experiment.plant.initial_q), list(experiment.controller.gains)
-    pose[link], all_gains[link] = middle + wanted.start_q, gains
+    pose[link], all_gains[link] = middle + setpoint.start_q, gains
     controller = experiment.controller._replace(
         law=law,
         target="joint",
@@ -94,11 +94,11 @@ def trial(experiment: Experiment, link: int, law: Law, gains: LinkGains, wanted:
     return experiment._replace(
         name=f"tune-{LINKS[link]}",
         alias=f"tune-{LINKS[link]}",
-        title=f"tuning {LINKS[link]}: {law}, {wanted.name}",
+        title=f"tuning {LINKS[link]}: {law}, {setpoint.name}",
         source="thesis Appendix C",
-        duration_s=wanted.duration_s,
+        duration_s=setpoint.duration_s,
         plant=plant,
         controller=controller,
-        reference=wanted.reference,
+        reference=setpoint.reference,
         claims=(),
     )

@@ -1,4 +1,4 @@
-"""The six steps of Appendix C on one link, unattended, and what they are worth on the five patterns."""
+"""The six steps of Appendix C on one link, unattended, and what the gains achieve on the five patterns."""
 
 import math
 from collections.abc import Callable, Iterator
@@ -49,8 +49,8 @@ def check_place(bench: Bench) -> None:
     """Raise ExperimentError if the patterns leave the link's travel."""
     gains = bench.experiment.controller.gains[bench.link]
     for name in PATTERNS:
-        made = trial(bench.experiment, bench.link, "final", gains, pattern(name, bench.link, gains), middle(bench))
-        checked(made, f"tune {made.name[len('tune-') :]}")
+        experiment = trial(bench.experiment, bench.link, "final", gains, pattern(name, bench.link, gains), middle(bench))
+        checked(experiment, f"tune {experiment.name[len('tune-') :]}")
 
 
 def steps(bench: Bench) -> Iterator[Step]:
@@ -76,7 +76,10 @@ def _error_q(bench: Bench, gains: LinkGains, name: PatternName) -> float:
 
 
 def tune_link(bench: Bench, watch: Callable[[int, Step], None] = lambda link, step: None) -> LinkTuning:
-    """Tune one link; `watch` is told of every step. Raises ExperimentError if the patterns do not fit into its travel."""
+    """Tune one link; `watch` is called with the link and each step.
+
+    Raises ExperimentError if the patterns do not fit into the link's travel.
+    """
     check_place(bench)
     done: list[Step] = []
     for step in steps(bench):

@@ -14,7 +14,7 @@ class Tried(NamedTuple):
 
 
 class Found(NamedTuple):
-    """All values tried, ascending, and whether a larger one than the largest that passed was seen to fail."""
+    """All values tried, ascending, and whether a larger one than the largest that passed failed."""
 
     tried: tuple[Tried, ...]
     bounded: bool

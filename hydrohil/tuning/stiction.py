@@ -33,8 +33,8 @@ class Breakaway(NamedTuple):
 def breakaway(bench: Bench, gains: LinkGains, place_q: float, rate_a_per_s: float, direction: int) -> Breakaway:
     """Play a creeping set-point from one place in one direction."""
     speed = direction * rate_a_per_s / gains.kp_a_per_q
-    wanted = slow_ramp(bench.link, place_q, speed, HIGHEST_A / rate_a_per_s)
-    traces = play(bench, "pi", gains._replace(linear_ki_a_per_q_s=0.0), wanted) or ()
+    setpoint = slow_ramp(bench.link, place_q, speed, HIGHEST_A / rate_a_per_s)
+    traces = play(bench, "pi", gains._replace(linear_ki_a_per_q_s=0.0), setpoint) or ()
     currents = [measure.breakaway_a(trace, bench.link) for trace in traces]
     return Breakaway(place_q, rate_a_per_s, direction, float(np.median(currents)) if currents else math.nan)
 
@@ -48,8 +48,8 @@ def threshold(tried: tuple[Breakaway, ...], direction: int) -> float:
 def stiction(bench: Bench, gains: LinkGains) -> Step:
     """Step 5: thresholds for VETIA, which fires below the same share of the weaker one as before."""
     size = pattern("large-ramp", bench.link, gains).size_q
-    tried = tuple(breakaway(bench, gains, share * size, SLOW_A_PER_S, way) for way in DIRECTIONS for share in PLACES)
-    tried += tuple(breakaway(bench, gains, 0.0, FAST_A_PER_S, way) for way in DIRECTIONS)
+    tried = tuple(breakaway(bench, gains, share * size, SLOW_A_PER_S, direction) for direction in DIRECTIONS for share in PLACES)
+    tried += tuple(breakaway(bench, gains, 0.0, FAST_A_PER_S, direction) for direction in DIRECTIONS)
     return stiction_step(bench, gains, tried)
 
 
