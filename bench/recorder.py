@@ -30,7 +30,7 @@ from hydrohil.shared.units import NS_PER_S
 
 LOOP_TOPICS = tuple(topic for topic in TOPICS if topic.per_sample)
 POOL = 997  # different bodies of a topic; a prime, so that they meet the rate's round numbers anew
-TOLD_S = 1.0  # receptions, as the services tell them
+TOLD_S = 1.0  # link statistics, as the services publish them
 READ_S = 5.0
 JOIN_S = 60.0
 BYTES_PER_MB = 1 << 20
@@ -80,7 +80,7 @@ def publish_link_stats(buses: dict[str, Bus], number: int) -> None:
     for name, bus in buses.items():
         heard = [topic.key for topic in LOOP_TOPICS if topic.publisher != name and topic.loop]
         counts = tuple(InboxCounts(key, number, *(0,) * (len(InboxCounts._fields) - 2)) for key in heard)
-        bus.publish(f"{name}/reception", LinkStats(number, counts))
+        bus.publish(f"{name}/link_stats", LinkStats(number, counts))
 
 
 def send(feeds: list[Feed], buses: dict[str, Bus], rate_hz: float, seconds: float) -> Iterator[int]:

@@ -19,8 +19,8 @@ from hydrohil.shared.contract.messages import NO_TRIAL, Command, GateState, Plan
 from hydrohil.shared.host.process import options_of, parser, serve
 from hydrohil.shared.host.two_phase_load import Checked, TwoPhaseLoad
 from hydrohil.shared.transport.bus import Bus
-from hydrohil.shared.transport.impairment_queue import Passage
-from hydrohil.shared.transport.link_stats import due, link_stats, told
+from hydrohil.shared.transport.impairment_queue import ImpairedSample
+from hydrohil.shared.transport.link_stats import due, link_stats, nonzero_counts
 from hydrohil.shared.transport.live_faults import LiveFaults
 from hydrohil.shared.transport.requests import Request
 from hydrohil.shared.transport.step_lock import StepLock
@@ -50,11 +50,11 @@ class Controller:
 
     def run(self, stopped: Callable[[], bool]) -> None:
         """Until told to stop: samples are answered where they arrive, the rest is done here."""
-        turns = StepLock(self.step)
-        self.bus.attend(turns)
+        step_lock = StepLock(self.step)
+        self.bus.step_on_arrival(step_lock)
         while not stopped():
             self.bus.wait(_EXAMINING_S if self.parameters.examines else _WAKE_S)
-            if turns.between(self.serve):
+            if step_lock.run_between_steps(self.serve):
                 self.bus.wake()
 
     def step(self) -> None:
@@ -63,8 +63,8 @@ class Controller:
             self._learn(message.body)
         for message in self.samples.take():
             self._answer(message)
-        for passage in self.samples.passages():
-            self._tell(passage)
+        for impaired in self.samples.impaired_samples():
+            self._tell(impaired)
         for message in self.warmups.take():
             self._warm_up(message)
 
@@ -129,10 +129,10 @@ class Controller:
             self.params = controller_params(config, description, self.first_tick)
         return change
 
-    def _tell(self, passage: Passage) -> None:
+    def _tell(self, impaired: ImpairedSample) -> None:
         """Lockstep: the plant need not wait for the answer to a sample that a fault took."""
-        if not passage.taken:
-            self.bus.publish("controller/sample_dropped", SampleDropped(passage.number), (passage.number, passage.time_ns))
+        if not impaired.taken:
+            self.bus.publish("controller/sample_dropped", SampleDropped(impaired.number), (impaired.number, impaired.time_ns))
 
     def _serve(self, request: Request) -> None:
         if request.verb == "load":
@@ -187,7 +187,7 @@ class Controller:
             "warmed_up": self.warmed_up,
             "experiment": self.bus.run.experiment.hex(),
             "run": self.bus.run.run,
-            "link_stats": told(self._inboxes),
+            "link_stats": nonzero_counts(self._inboxes),
         }
 
 

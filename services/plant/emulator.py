@@ -11,7 +11,7 @@ from hydrohil.services.plant.injection import Injection, clock
 from hydrohil.services.plant.machine import MachineState, advance_resident, ground_truth, machine_start, sense
 from hydrohil.services.plant.noise import force_noise_n
 from hydrohil.services.plant.params import contact_params
-from hydrohil.shared.compiled.compiled_value import resident
+from hydrohil.shared.compiled.compiled_value import compiled_value
 from hydrohil.shared.compiled.kernel import compiled
 from hydrohil.shared.contract.converters import ZERO_CODE
 from hydrohil.shared.contract.faults import Fault, of_group
@@ -65,7 +65,7 @@ class Emulator:
     def begin(self) -> None:
         """Stand at the declared initial state."""
         self._machine, self._contact, start = self._next
-        self._sound = self._rig = resident((self._machine, self._contact))
+        self._sound = self._rig = compiled_value((self._machine, self._contact))
         self._state: MachineState = start
         self._held = Held()
         self._codes = _ZERO
@@ -79,7 +79,7 @@ class Emulator:
         noise_n = self._noise_n[index % len(self._noise_n)]
         self._table, self._now = self._injection.at(timeline.number, timeline.tick), clock(timeline.number, timeline.tick)
         if self._table:
-            self._rig = resident((faulty_machine(self._table, self._now, self._machine), self._contact))
+            self._rig = compiled_value((faulty_machine(self._table, self._now, self._machine), self._contact))
             readings = faulty_sense(self._state, self._machine, self._contact, noise_n, self._table, self._now, self._held)
         else:
             self._rig = self._sound

@@ -16,7 +16,7 @@ from hydrohil.shared.contract.messages import NO_COMMAND, NO_TRIAL, GateCause, G
 from hydrohil.shared.transport.bus import Bus, same_run
 from hydrohil.shared.transport.impairment_queue import FOREVER_NS
 from hydrohil.shared.transport.inbox import Inbox
-from hydrohil.shared.transport.link_stats import link_stats, told
+from hydrohil.shared.transport.link_stats import link_stats, nonzero_counts
 from hydrohil.shared.transport.protection import worst
 from hydrohil.shared.units import SUBSTEP_NS
 
@@ -196,7 +196,7 @@ class Gatekeeper:
         """Let the gate decide on what is held, and write what it gives."""
         if at_latch:
             self._late_substeps = 0
-        link = worst(self.commands.protection.look(now_ns), self.permits.protection.look(now_ns))
+        link = worst(self.commands.protection.observe(now_ns), self.permits.protection.observe(now_ns))
         observed = GateInput(
             permit=self._mailbox.observe_permit(now_ns),
             command=self._mailbox.observe_command(now_ns),
@@ -255,5 +255,5 @@ class Gatekeeper:
             "last_cut_clock_ns": self._last_cut.clock_ns,
             "revoked_arming_ids": len(self.revoked),
             "estop": self._estop,
-            "link_stats": told((self.commands, self.permits)),
+            "link_stats": nonzero_counts((self.commands, self.permits)),
         }

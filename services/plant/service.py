@@ -89,7 +89,7 @@ class Plant:
         clock.advance_to(clock.due)
         number, time_ns = timeline.number, clock.due_ns
         tick = timeline.tick = clock.schedule.tick(number)
-        self.bus.conditions.see(number, tick)
+        self.bus.conditions.observe_sample(number, tick)
         if tick == clock.schedule.first_tick:
             self._begin_trial()
         reading = self.device.read()

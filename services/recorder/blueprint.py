@@ -124,7 +124,7 @@ def _behind(live: bool) -> list[Any]:
     latency = rrb.Tabs(
         _plot("Latency per hop [ms]", ["/figure/latency/**"], live),
         _plot("Missing messages", ["/missing/**"], live),
-        _plot("Frames received and discarded", ["/reception/**"], live),
+        _plot("Frames received and discarded", ["/link_stats/**"], live),
         active_tab=0,
     )
     return [tracking, speed, pressure, latency]

@@ -15,7 +15,7 @@ from hydrohil.services.recorder.writer import Writer
 from hydrohil.shared.contract.codec import Received, Rejected
 from hydrohil.shared.contract.messages import PlantDescription
 from hydrohil.shared.host.qualified import UNKNOWN, Standing, plain
-from hydrohil.shared.trips.events import Event, gap_event, is_told, rejected_event
+from hydrohil.shared.trips.events import Event, gap_event, is_reported, rejected_event
 from hydrohil.shared.trips.formatting import markdown
 from hydrohil.shared.trips.gaps import Counted, Sequence, count, since, unbroken
 from hydrohil.shared.trips.watcher import Trips
@@ -193,7 +193,7 @@ class Recorder:
     def _refused(self, rejected: Rejected) -> None:
         key = (rejected.topic, rejected.cause)
         times = self._rejected[key] = self._rejected.get(key, 0) + 1
-        if is_told(times):
+        if is_reported(times):
             self._tell(rejected_event(rejected, times))
 
     def _lay_out(self) -> None:

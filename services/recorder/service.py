@@ -14,7 +14,7 @@ from hydrohil.shared.contract.topics import TOPICS
 from hydrohil.shared.exit_status import EXIT_OK, EXIT_TRANSPORT
 from hydrohil.shared.host.process import Options, await_router, draw_number, options_of, parser
 from hydrohil.shared.host.qualified import of_plain, standing
-from hydrohil.shared.host.realtime import die_with_parent, interrupt_nobody
+from hydrohil.shared.host.realtime import die_with_parent, set_batch_scheduling
 from hydrohil.shared.transport.bus import Bus, BusError
 from hydrohil.shared.transport.inbox import Inbox
 from hydrohil.shared.transport.requests import Request
@@ -57,7 +57,7 @@ def record(
 
     stop = _stop_on_signals()
     gc.set_threshold(*COLLECTED)
-    interrupt_nobody()
+    set_batch_scheduling()
     with ExitStack() as stack:
         live = stack.enter_context(Live(live_port)) if live_port is not None else None
         recorder = Recorder(options.cell, live, trips if trips is not None else folder / "trips")

@@ -194,7 +194,7 @@ class Writer:
         place = self._places.at(message.header.echo_number)
         receiver = message.header.sender
         for now in message.body.inboxes:
-            entity = f"reception/{receiver}/{now.topic}"
+            entity = f"link_stats/{receiver}/{now.topic}"
             if self._named.get(entity) != COUNT_NAMES:
                 self._named[entity] = COUNT_NAMES
                 self._emit(Rows(entity, "names", None, COUNT_NAMES))

@@ -22,8 +22,8 @@ from hydrohil.shared.host.qualified import UNKNOWN, Standing, beyond, plain, sta
 from hydrohil.shared.host.realtime import is_fifo
 from hydrohil.shared.host.two_phase_load import Checked, TwoPhaseLoad
 from hydrohil.shared.transport.bus import Bus, same_run
-from hydrohil.shared.transport.impairment_queue import Passage
-from hydrohil.shared.transport.link_stats import due, link_stats, told
+from hydrohil.shared.transport.impairment_queue import ImpairedSample
+from hydrohil.shared.transport.link_stats import due, link_stats, nonzero_counts
 from hydrohil.shared.transport.live_faults import LiveFaults
 from hydrohil.shared.transport.protection import worst
 from hydrohil.shared.transport.requests import Request
@@ -87,11 +87,11 @@ class Supervisor:
 
     def run(self, stopped: Callable[[], bool]) -> None:
         """Until told to stop: samples are judged where they arrive, their absence and requests here."""
-        turns = StepLock(self.step)
-        self.bus.attend(turns)
+        step_lock = StepLock(self.step)
+        self.bus.step_on_arrival(step_lock)
         while not stopped():
             self.bus.wait(self._patience_s())
-            if turns.between(self.serve):
+            if step_lock.run_between_steps(self.serve):
                 self.bus.wake()
 
     def serve(self) -> None:
@@ -106,15 +106,15 @@ class Supervisor:
         for message in self.states.take():
             self.controller = message
             self.states.acceptance.other_run += not same_run(message.header, self.bus.run)
-        messages, passages = self._lockstep_queue.due(self.samples.take()), self.samples.passages()
-        for passage in passages:
-            self._judge_silence(passage)
+        messages, impaired_samples = self._lockstep_queue.due(self.samples.take()), self.samples.impaired_samples()
+        for impaired in impaired_samples:
+            self._judge_silence(impaired)
         for message in messages:
             self.sample = message
             self.samples.acceptance.other_run += not same_run(message.header, self.bus.run)
             self._judge(message, 0)
-        for passage in passages:
-            self._tell(passage)
+        for impaired in impaired_samples:
+            self._tell(impaired)
         if not messages:
             self._judge_absence()
 
@@ -145,15 +145,15 @@ class Supervisor:
         if stale_ns > (_LOCKSTEP_SILENCE_NS if self._lockstep else self.description.permit_ttl_ns):
             self._judge(self.sample, stale_ns)
 
-    def _judge_silence(self, passage: Passage) -> None:
+    def _judge_silence(self, impaired: ImpairedSample) -> None:
         """In lockstep simulated time without a sample is the same cause, where a fault takes or delays them."""
-        if self.sample is not None and self.description is not None and passage.silence_ns > self.description.permit_ttl_ns:
-            self._judge(self.sample, passage.silence_ns)
+        if self.sample is not None and self.description is not None and impaired.silence_ns > self.description.permit_ttl_ns:
+            self._judge(self.sample, impaired.silence_ns)
 
-    def _tell(self, passage: Passage) -> None:
+    def _tell(self, impaired: ImpairedSample) -> None:
         """Lockstep: the plant need not wait for the verdict on a sample that a fault took."""
-        if not passage.taken:
-            self.bus.publish("supervisor/sample_dropped", SampleDropped(passage.number), (passage.number, passage.time_ns))
+        if not impaired.taken:
+            self.bus.publish("supervisor/sample_dropped", SampleDropped(impaired.number), (impaired.number, impaired.time_ns))
 
     def _judge(self, message: Received, stale_ns: int) -> None:
         """Step once with the oldest request, publish the permit, answer the request."""
@@ -188,7 +188,7 @@ class Supervisor:
     def _links(self, message: Received) -> Links:
         """What the inboxes have shown, by wall time or, in lockstep, by the sample's; frames of another run since then."""
         now_ns = message.body.time_ns if self._lockstep else time.monotonic_ns()
-        seen = worst(*(inbox.protection.look(now_ns) for inbox in self._inboxes))
+        seen = worst(*(inbox.protection.observe(now_ns) for inbox in self._inboxes))
         others = sum(inbox.acceptance.other_run for inbox in self._inboxes)
         before, self._others = self._others, others
         answered = NO_COMMAND if self.controller is None else self.controller.header.echo_number
@@ -308,7 +308,7 @@ class Supervisor:
             "warnings": self._warnings(),
             "qualification": plain(self.qualification),
             "qualified": self.qualification.words,
-            "link_stats": told(self._inboxes),
+            "link_stats": nonzero_counts(self._inboxes),
         }
 
 

@@ -1,4 +1,4 @@
-"""Values that stay where compiled code has them: a tuple that is passed to it is converted anew at each call, 0.1 us a number."""
+"""Values kept in the form that compiled code reads: a plain tuple is converted again at each call, 0.1 us a number."""
 
 from typing import Any
 
@@ -12,7 +12,7 @@ from numba.experimental import structref  # noqa: E402
 
 @structref.register
 class _Type(numba.types.StructRef):  # type: ignore[misc]
-    """What the compiler knows of it."""
+    """Its type in compiled code."""
 
 
 class CompiledValue(structref.StructRefProxy):  # type: ignore[misc]
@@ -23,6 +23,6 @@ structref.define_proxy(CompiledValue, _Type, ["value"])
 
 
 @numba.njit(cache=True)  # type: ignore[untyped-decorator]
-def resident(value: Any) -> Any:
+def compiled_value(value: Any) -> Any:
     """Convert `value` once."""
     return CompiledValue(value)

@@ -15,7 +15,6 @@ from operator import itemgetter
 from typing import Annotated, Any, NamedTuple, get_args, get_origin, get_type_hints
 
 import msgpack
-from annotated_types import Len
 
 from hydrohil.shared.contract.topics import Topic
 
@@ -28,7 +27,7 @@ _INT64 = 1 << 63
 
 
 class Header(NamedTuple):
-    """Who says it, in which run, answering what."""
+    """Sender, run, and the sample that the message answers or judges."""
 
     version: int
     schema: int
@@ -88,7 +87,7 @@ def decode(key: str, topic: Topic, cell: str, frame: bytes, arrival_ns: int) -> 
     packed = frame[:-_CRC_BYTES]
     fields = _unpacked(packed)
     if type(fields) is tuple:
-        header = _shape(Header)(fields[:-1])
+        header = _header(fields[:-1])
     if crc(key, packed) != frame[-_CRC_BYTES:]:
         return reject("crc", "checksum differs")
     if isinstance(fields, Exception):
@@ -97,20 +96,27 @@ def decode(key: str, topic: Topic, cell: str, frame: bytes, arrival_ns: int) -> 
         return reject("version", f"wire version {_named(fields)}, this is {WIRE_VERSION}")
     if header is None:
         return reject("malformed", "header")
-    if header.schema != topic.schema:
-        return reject("schema", f"schema {header.schema}, {topic.key} is {topic.schema}")
-    if header.cell != cell:
-        return reject("cell", f"cell {header.cell[:MAX_NAME]}, this is {cell}")
-    if topic.publisher and header.sender != topic.publisher:
-        return reject("sender", f"sender {header.sender[:MAX_NAME]}, expected {topic.publisher}")
+    if foreign := _foreign(header, topic, cell):
+        return reject(*foreign)
     body = _shape(topic.message)(fields[-1])
     if body is None:
         return reject("malformed", f"body of {topic.key}")
     return Received(arrival_ns, topic.key, header, body)
 
 
+def _foreign(header: Header, topic: Topic, cell: str) -> tuple[str, str] | None:
+    """Cause and detail if a frame belongs to another schema, cell or sender."""
+    if header.schema != topic.schema:
+        return "schema", f"schema {header.schema}, {topic.key} is {topic.schema}"
+    if header.cell != cell:
+        return "cell", f"cell {header.cell[:MAX_NAME]}, this is {cell}"
+    if topic.publisher and header.sender != topic.publisher:
+        return "sender", f"sender {header.sender[:MAX_NAME]}, expected {topic.publisher}"
+    return None
+
+
 def _unpacked(packed: bytes) -> Any:
-    """What the bytes hold, whoever wrote them; the exception, as a value, if they are no MessagePack."""
+    """What the bytes hold; the exception, as a value, if they are no MessagePack."""
     try:
         return msgpack.unpackb(packed, use_list=False, max_ext_len=0, max_map_len=0)
     except (ValueError, TypeError, OverflowError, RecursionError) as error:
@@ -123,76 +129,89 @@ def _named(fields: Any) -> str:
     return str(found)[:MAX_NAME] if isinstance(found, int | float | str | bytes) else type(found).__name__
 
 
-def _fit(values: tuple[int, ...]) -> bool:
-    """Whether every int fits 64 bits with a sign; msgpack carries larger ones, but no smaller."""
-    return not values or max(values) < _INT64
+class FieldSpec(NamedTuple):
+    """How one field of a message must be on the wire."""
+
+    position: int
+    kind: type  # of the value; tuple for an array and for messages inside
+    item: type | None = None  # of an array: kind of its scalars
+    length: int = 0  # of an array
+    check: Callable[[Any], Any] | None = None  # of messages inside: the value as messages, or None
+
+
+def _field_spec(position: int, hint: Any) -> FieldSpec:
+    if hasattr(hint, "_fields"):
+        return FieldSpec(position, tuple, check=_shape(hint))
+    if isinstance(hint, type):
+        return FieldSpec(position, hint)
+    if get_origin(hint) is Annotated:
+        kind, length = get_args(hint)
+        return FieldSpec(position, tuple, item=get_args(kind)[0], length=length.min_length)
+    return FieldSpec(position, tuple, check=_messages(_shape(get_args(hint)[0])))
 
 
 @cache
 def _shape(message: Any) -> Callable[[Any], Any]:
     """Checker and builder for one message class: the message, or None if anything differs.
 
-    Type-strict: a bool is no int, an int is no float.
+    Type-strict: a bool is no int, an int is no float. An int fits 64 bits with a sign.
     """
-    hints = list(get_type_hints(message, include_extras=True).values())
-    kinds = tuple(hint if isinstance(hint, type) and not hasattr(hint, "_fields") else tuple for hint in hints)
-    arrays = [(place, *_array(hint)) for place, hint in enumerate(hints) if kinds[place] is tuple and _array(hint)]
-    inner = [(place, _inner(hint)) for place, hint in enumerate(hints) if kinds[place] is tuple and not _array(hint)]
-    lengths, leaves = tuple(length for _, _, length in arrays), tuple(kind for _, kind, length in arrays for _ in range(length))
-    rows, whole = _picked([place for place, _, _ in arrays]), _picked([i for i, kind in enumerate(kinds + leaves) if kind is int])
+    fields = [_field_spec(position, hint) for position, hint in enumerate(get_type_hints(message, include_extras=True).values())]
+    kinds = tuple(field.kind for field in fields)
+    inner = [(field.position, field.check) for field in fields if field.check is not None]
+    arrays = [field for field in fields if field.item is not None]
+    lengths = tuple(field.length for field in arrays)
+    items = tuple(field.item for field in arrays for _ in range(field.length))
+    array_values = _picker([field.position for field in arrays])
+    integers = _picker([index for index, kind in enumerate(kinds + items) if kind is int])
 
     def build(values: Any) -> Any:
         if type(values) is not tuple or tuple(map(type, values)) != kinds:
             return None
         flat = values
         if arrays:  # all of them at once: a check of each would cost ten times as much
-            found = rows(values)
+            found = array_values(values)
             flat += tuple(chain.from_iterable(found))
-            if tuple(map(len, found)) != lengths or tuple(map(type, flat[len(kinds) :])) != leaves:
+            if tuple(map(len, found)) != lengths or tuple(map(type, flat[len(kinds) :])) != items:
                 return None
-        if not _fit(whole(flat)):
+        if not _fit(integers(flat)):
             return None
         return _built(message, values, inner) if inner else tuple.__new__(message, values)
 
     return build
 
 
-def _picked(places: list[int]) -> Callable[[Any], tuple[Any, ...]]:
-    """The elements at `places`, as a tuple whatever their number."""
-    if len(places) == 1:
-        (place,) = places
-        return itemgetter(slice(place, place + 1))
-    return itemgetter(*places) if places else itemgetter(slice(0))
+def _fit(values: tuple[int, ...]) -> bool:
+    """Whether every int fits 64 bits with a sign; msgpack carries larger ones, but no smaller."""
+    return not values or max(values) < _INT64
+
+
+def _picker(indices: list[int]) -> Callable[[Any], tuple[Any, ...]]:
+    """Takes the elements at `indices`, as a tuple whatever their number."""
+    if len(indices) == 1:
+        (index,) = indices
+        return itemgetter(slice(index, index + 1))
+    return itemgetter(*indices) if indices else itemgetter(slice(0))
 
 
 def _built(message: Any, values: tuple[Any, ...], inner: list[tuple[int, Callable[[Any], Any]]]) -> Any:
     """A message with others inside; None if one of those is not as it should be."""
-    made = list(values)
-    for place, check in inner:
-        made[place] = check(values[place])
-        if made[place] is None:
+    fields = list(values)
+    for position, check in inner:
+        if (checked := check(values[position])) is None:
             return None
-    return message._make(made)
-
-
-def _array(hint: Any) -> tuple[type, int] | tuple[()]:
-    """Kind and number of a field's scalars, if that number is fixed; () of any other field."""
-    if get_origin(hint) is not Annotated:
-        return ()
-    kind, *bounds = get_args(hint)
-    item = get_args(kind)[0]
-    length = next((bound.min_length for bound in bounds if isinstance(bound, Len)), None)
-    return () if length is None else (item, length)
-
-
-def _inner(hint: Any) -> Callable[[Any], Any]:
-    """Checker for a field that is a message, or any number of messages of one kind: its value, or None."""
-    return _shape(hint) if hasattr(hint, "_fields") else _messages(_shape(get_args(hint)[0]))
+        fields[position] = checked
+    return message._make(fields)
 
 
 def _messages(build: Callable[[Any], Any]) -> Callable[[Any], Any]:
+    """Checker of any number of messages of one kind."""
+
     def check(value: Any) -> Any:
-        made = tuple(map(build, value))
-        return None if None in made else made
+        built = tuple(map(build, value))
+        return None if None in built else built
 
     return check
+
+
+_header = _shape(Header)

@@ -67,7 +67,7 @@ def is_fifo() -> bool:
 def set_scheduling(clock: str) -> None:
     """Real-time scheduling where the wall clock paces and it was granted; in lockstep it would starve whoever watches."""
     if clock != "real":
-        return interrupt_nobody()
+        return set_batch_scheduling()
     return _schedule("SCHED_FIFO", _granted[-1]) if _granted else _schedule("SCHED_OTHER", 0)
 
 
@@ -85,7 +85,7 @@ def without_realtime() -> Iterator[None]:
         os.sched_setscheduler(0, policy, parameters)
 
 
-def interrupt_nobody() -> None:
+def set_batch_scheduling() -> None:
     """A thread that is woken waits until who runs has done: fewer changes of the processor where no deadline presses."""
     _schedule("SCHED_BATCH", 0)
 

@@ -1,8 +1,8 @@
 """The only file that imports zenoh: a mesh of peers on explicit endpoints, or clients of a router; `endpoints` says which.
 
-A callback stamps and appends to a bounded ring; whoever steps drains all of it, checks and counts every frame. A service that
-attends steps in that callback, without waking a thread of its own.
-Every session tries for ever, so the order of starting does not matter. Liveliness tokens show presence, no more.
+A callback stamps each frame and appends it to a bounded ring; the step drains the ring, checks and counts every frame. After
+`step_on_arrival` a service steps in that callback, without waking a thread of its own.
+Every session keeps trying to connect, so the services may start in any order. Liveliness tokens only show presence.
 """
 
 import errno
@@ -16,7 +16,8 @@ from contextlib import contextmanager
 from types import TracebackType
 from typing import Any, NamedTuple
 
-# Who polls a link reads it too; by default each frame wakes a thread for either. A dead link holds one until it is closed.
+# The thread that polls a link also reads it; by default each frame wakes one thread for either. A dead link holds a thread
+# until it is closed.
 os.environ.setdefault("ZENOH_RUNTIME", "(net:(worker_threads:8),rx:(handover:net),acc:(handover:net))")
 
 import zenoh
@@ -49,7 +50,7 @@ class Identity(NamedTuple):
 
 
 class Run(NamedTuple):
-    """What a frame belongs to."""
+    """Run, experiment and arming that a frame belongs to."""
 
     run: int = 0
     experiment: bytes = b""
@@ -72,11 +73,11 @@ class Bus:
         self._starts: dict[str, int] = {}  # epoch of each service that has answered
         self.waits_for_room = False  # instead of dropping: in lockstep nothing may be lost to a slow reader
         self.conditions = idle(service)
-        self._inboxes: dict[Inbox, Any] = {}  # with what feeds it
+        self._inboxes: dict[Inbox, Any] = {}  # and the subscriber that feeds each
         self._port_base, self._network = port_base, network
         self._lock = threading.Lock()
         self._lock.acquire()
-        self._turns: StepLock | None = None  # what steps where a frame arrives
+        self._step_lock: StepLock | None = None  # of a service that steps in the transport's callback
         self._failure: BaseException | None = None  # of such a step
         self._impaired = False  # faults act on what arrives
         self._seq: dict[str, int] = {}
@@ -112,28 +113,28 @@ class Bus:
         except RuntimeError:  # another thread was faster
             return
 
-    def attend(self, turns: StepLock) -> None:
-        """From now on the transport's thread steps as soon as a frame is there, and `wait` wakes for requests alone.
+    def step_on_arrival(self, step_lock: StepLock) -> None:
+        """From now on the transport's thread steps as soon as a frame is there, and `wait` returns for requests alone.
 
-        While faults act on what arrives it only wakes: a frame that is delayed comes when nothing arrives.
+        While faults act on what arrives it only wakes `wait`: a delayed frame is released when no frame arrives.
         """
-        self._turns = turns
+        self._step_lock = step_lock
 
     def _arrived(self) -> None:
         """Transport's callback, after a frame was put into its ring."""
         keep_thread_state()
-        if self._turns is None or self._impaired:
+        if self._step_lock is None or self._impaired:
             return self.wake()
         try:
-            self._turns.take()
+            self._step_lock.step()
         except BaseException as failure:  # the transport would log it and go on
             self._failure = failure
             self.wake()
 
     def wait(self, timeout_s: float) -> bool:
-        """Sleep until something arrives, or a frame that a fault delays comes; False after `timeout_s`.
+        """Sleep until a frame arrives, or one that a fault delays is released; False after `timeout_s`.
 
-        Raises what a step has raised that the transport's thread took.
+        Raises the exception of a step in the transport's thread.
         """
         for inbox in self._inboxes:
             if inbox.impairment_queue is not None:
@@ -144,7 +145,7 @@ class Bus:
         return woken
 
     def impair(self, conditions: Conditions) -> None:
-        """From now on these faults act on what this service receives; a way that none touches stays free of cost."""
+        """From now on these faults act on what this service receives; a topic that none touches costs nothing."""
         self.conditions = conditions
         for inbox in self._inboxes:
             inbox.impair(conditions)
@@ -162,17 +163,17 @@ class Bus:
         self._inboxes.pop(inbox).undeclare()
 
     def listen(self, key: str, take: Callable[[bytes], None]) -> None:
-        """Bare payloads of a topic, for who measures the transport: `take` runs in its callback."""
+        """Bare payloads of a topic, to measure the transport: `take` runs in its callback."""
 
-        def heard(sample: Any) -> None:
+        def arrived(sample: Any) -> None:
             keep_thread_state()
             take(sample.payload.to_bytes())
             self.wake()
 
-        self._session.declare_subscriber(expression(self.identity.cell, key), zenoh.handlers.Callback(heard, indirect=False))
+        self._session.declare_subscriber(expression(self.identity.cell, key), zenoh.handlers.Callback(arrived, indirect=False))
 
     def sender(self, key: str) -> Callable[[bytes], None]:
-        """What sends bare payloads on a topic, with its quality of service."""
+        """A function that sends bare payloads on a topic, with its quality of service."""
         put: Callable[[bytes], None] = self._declare(BY_KEY[key], expression(self.identity.cell, key)).put
         return put
 
@@ -196,7 +197,19 @@ class Bus:
         seq = self._seq[topic.key] = self._seq.get(topic.key, -1) + 1
         cell, sender, epoch = self.identity
         run, experiment, arming_id = self.run
-        return Header(WIRE_VERSION, topic.schema, cell, run, experiment, sender, epoch, arming_id, seq, echo[0], echo[1])
+        return Header(
+            version=WIRE_VERSION,
+            schema=topic.schema,
+            cell=cell,
+            run=run,
+            experiment=experiment,
+            sender=sender,
+            epoch=epoch,
+            arming_id=arming_id,
+            seq=seq,
+            echo_number=echo[0],
+            echo_time_ns=echo[1],
+        )
 
     def requests(self) -> list[Request]:
         """Requests that have arrived; each wants one answer."""
@@ -212,9 +225,9 @@ class Bus:
         self.wake()
 
     def ask(self, service: str, verb: str, arguments: dict[str, Any], timeout_s: float = 2.0) -> Answer | None:
-        """The answer of `service`, or None if nobody gives one in time.
+        """The answer of `service`, or None if none comes in time.
 
-        What acts is meant for the start of the service that answered last; the first such request asks for it.
+        A request that acts names the epoch in which the service answered last; the first such request asks for it.
         """
         if verb not in REPEATABLE:
             if service not in self._starts and self._put(service, "status", {}, timeout_s) is None:

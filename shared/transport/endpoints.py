@@ -2,7 +2,7 @@
 
 Without a router a cell is a full mesh of peers: each service listens on its own host and connects to those before it; the
 operator only connects. With a router every session is a client of it alone: peers around a router that does not gossip do
-not hear each other. Nobody scouts and nobody gossips, so nobody finds a cell that he was not told of.
+not hear each other. Scouting and gossip are off: a session reaches only the endpoints that it is given.
 """
 
 import ipaddress
@@ -14,7 +14,7 @@ LISTENERS = ("plant", "controller", "supervisor", "recorder")  # offset from the
 DEFAULT_PORT = 7450  # a cell's first
 LOOPBACK = "127.0.0.1"
 ROUTER = f"tcp/{LOOPBACK}:7447"
-CLIENT_TRIES_MS = 1000  # for a router; a service begins anew, an operator is told
+CLIENT_TRIES_MS = 1000  # to reach a router; then a service tries again, and an operator gets an error
 _NAME = re.compile(r"[A-Za-z0-9]([A-Za-z0-9-]*[A-Za-z0-9])?(\.[A-Za-z0-9]([A-Za-z0-9-]*[A-Za-z0-9])?)*")
 _ENDPOINT = re.compile(r"tcp/([^:/]+):([0-9]{1,5})")
 _MAX_PORT = 65_535
@@ -25,7 +25,7 @@ _QUEUED_BATCHES = 16  # two, the default, lose messages when the processor is co
 class Network(NamedTuple):
     """Where the services of a cell are."""
 
-    hosts: tuple[tuple[str, str], ...] = ()  # service and address; who is not named is on 127.0.0.1
+    hosts: tuple[tuple[str, str], ...] = ()  # service and address; a service that is not named is on 127.0.0.1
     router: str = ""  # endpoint of the router that all are clients of; "" = a mesh of peers
 
     def host(self, service: str) -> str:
@@ -114,7 +114,7 @@ def configuration(service: str, port: int, where: Network) -> str:
 
 
 def router_configuration(listen: str) -> str:
-    """JSON of a router's session; it connects to nobody."""
+    """JSON of a router's session, which makes no connection of its own."""
     return _json("router", [listen], _connect([], -1, gives_up=False))
 
 

@@ -1,7 +1,7 @@
-"""What transport faults make of each message: a function of (seed, path, topic, tick), so that every clock does the same.
+"""What transport faults do to each message: a function of (seed, path, topic, tick), the same on every clock.
 
 A path is a pair sender>receiver. Time is nominal here: tick k leaves the plant at sub-step k T, and an answer leaves when the
-sample that it answers has come. Who overtakes whom is decided on that grid, whatever the wall clock does to the frames.
+sample that it answers has come. Which message overtakes which is decided on that grid, not by the wall clock.
 """
 
 import math
@@ -16,7 +16,7 @@ from hydrohil.shared.units import SUBSTEP_NS
 SAMPLE = "plant/sample"
 SUBSTEPS_PER_MS = 1_000_000 // SUBSTEP_NS
 _DRAWN_BITS = 64
-_REMEMBERED = 1 << 14  # fates of 30 s on one path and its forerunner
+_REMEMBERED = 1 << 14  # outcomes of 30 s on one path and the one before it
 _NOWHERE = -1.0
 
 
@@ -46,11 +46,11 @@ class Route(NamedTuple):
 
 
 class Effect(NamedTuple):
-    """What one leg takes from a message."""
+    """What one leg does to a message."""
 
     lost: bool = False
     delay: int = 0  # sub-steps
-    swapped: bool = False  # it lets its successor pass
+    swapped: bool = False  # its successor comes before it
     copies: int = 1
     flipped: float = _NOWHERE  # where the bit that flips stands, as a share of the frame
 
@@ -92,7 +92,7 @@ def on_path(path: str, faults: tuple[Fault, ...], period_ns: int) -> tuple[Activ
 
 
 def route_of(topic: Topic, receiver: str, seed: int, period: int, acting: dict[str, tuple[Active, ...]]) -> Route:
-    """The way of a topic to `receiver`; who is not the plant speaks when a sample has come to him."""
+    """The way of a topic to `receiver`; all services but the plant send when a sample has come to them."""
     own = f"{topic.publisher}>{receiver}"
     legs: tuple[Leg, ...] = (Leg(own, topic.key, acting.get(own, ())),)
     if topic.publisher != "plant":
@@ -108,52 +108,52 @@ def draw(seed: int, leg: Leg, fault: Active, tick: int) -> float:
     return math.ldexp(drawn >> 11, 11 - _DRAWN_BITS)  # 53 bits, so that it stays below 1
 
 
-@lru_cache(_REMEMBERED)  # a late message is compared with all that may overtake it, each time anew
+@lru_cache(_REMEMBERED)  # a late message is compared with all that may overtake it
 def effect(route: Route, tick: int) -> Effect:
-    """What the last leg takes from the message of `tick`."""
-    leg, taken = route.legs[-1], Effect()
+    """What the last leg does to the message of `tick`."""
+    leg, found = route.legs[-1], Effect()
     for fault in leg.faults:
         if fault.begin <= tick < fault.end:
-            taken = _take(taken, fault, draw(route.seed, leg, fault, tick), route.period)
-    return taken
+            found = _with_fault(found, fault, draw(route.seed, leg, fault, tick), route.period)
+    return found
 
 
-def _take(effect_: Effect, fault: Active, drawn: float, period: int) -> Effect:
+def _with_fault(before: Effect, fault: Active, drawn: float, period: int) -> Effect:
     hit = drawn < fault.amount
     match fault.kind:
         case "partition" | "burst":
-            return effect_._replace(lost=True)
+            return before._replace(lost=True)
         case "loss":
-            return effect_._replace(lost=effect_.lost or hit)
+            return before._replace(lost=before.lost or hit)
         case "duplicate":
-            return effect_._replace(copies=effect_.copies + hit)
+            return before._replace(copies=before.copies + hit)
         case "delay":
-            return effect_._replace(delay=effect_.delay + round(fault.amount))
+            return before._replace(delay=before.delay + round(fault.amount))
         case "jitter":
-            return effect_._replace(delay=effect_.delay + int(drawn * (round(fault.amount) + 1)))
-        case "reorder" if hit and not effect_.swapped:
-            return effect_._replace(swapped=True, delay=effect_.delay + period)
+            return before._replace(delay=before.delay + int(drawn * (round(fault.amount) + 1)))
+        case "reorder" if hit and not before.swapped:
+            return before._replace(swapped=True, delay=before.delay + period)
         case "corrupt" if hit:
-            return effect_._replace(flipped=drawn / fault.amount)
-    return effect_
+            return before._replace(flipped=drawn / fault.amount)
+    return before
 
 
 def both(one: Outcome, other: Outcome) -> Outcome:
     """What becomes of a message that meets two sets of faults."""
     return Outcome(
-        one.lost or other.lost,
-        one.overtaken or other.overtaken,
-        one.delay + other.delay,
-        one.own + other.own,
-        one.copies + other.copies - 1,
-        max(one.flipped, other.flipped),
+        lost=one.lost or other.lost,
+        overtaken=one.overtaken or other.overtaken,
+        delay=one.delay + other.delay,
+        own=one.own + other.own,
+        copies=one.copies + other.copies - 1,
+        flipped=max(one.flipped, other.flipped),
     )
 
 
 def outcome_now(route: Route, tick: int) -> Outcome:
-    """What becomes of a message that answers no new sample: what acts now on the last leg, acts on it."""
+    """What becomes of a message that answers no new sample: the faults that act at `tick` on the last leg act on it."""
     own = effect(route, tick)
-    return Outcome(own.lost, False, own.delay, own.delay, own.copies, own.flipped)
+    return Outcome(lost=own.lost, delay=own.delay, own=own.delay, copies=own.copies, flipped=own.flipped)
 
 
 @lru_cache(_REMEMBERED)
@@ -165,17 +165,24 @@ def outcome(route: Route, tick: int) -> Outcome:
         before = upstream.delay if upstream.taken else 0
     own = effect(route, tick)
     delay = before + own.delay
-    return Outcome(own.lost, not own.lost and _overtaken(route, tick, delay, own), delay, own.delay, own.copies, own.flipped)
+    return Outcome(
+        lost=own.lost,
+        overtaken=not own.lost and _overtaken(route, tick, delay, own),
+        delay=delay,
+        own=own.delay,
+        copies=own.copies,
+        flipped=own.flipped,
+    )
 
 
 def _overtaken(route: Route, tick: int, delay: int, own: Effect) -> bool:
     """Whether a younger message comes before this one; on a tie the older is first, unless it changed places."""
-    mine = (tick * route.period + delay, own.swapped)
-    return any(_place(route, younger) < mine for younger in range(tick + 1, tick + delay // route.period + 1))
+    arrival = (tick * route.period + delay, own.swapped)
+    return any(_arrival(route, younger) < arrival for younger in range(tick + 1, tick + delay // route.period + 1))
 
 
-def _place(route: Route, tick: int) -> tuple[float, bool]:
-    """When a message comes, in sub-steps; never, if it does not."""
+def _arrival(route: Route, tick: int) -> tuple[float, bool]:
+    """When a message comes, in sub-steps, and whether it lets its successor pass; infinity if it never comes."""
     before = 0
     if len(route.legs) > 1:
         upstream = outcome(route._replace(legs=route.legs[:-1]), tick)

@@ -1,7 +1,7 @@
-"""What transport faults do to a service's inboxes: frames that have arrived wait, are lost, bent or doubled before the step.
+"""Transport faults at a service's inboxes: frames that have arrived are delayed, lost, corrupted or doubled before the step.
 
-In `real` a delay counts on the receiver's monotonic clock. In lockstep nobody waits for a frame: the plant lets a late answer
-come at its sub-step of simulated time; the others answer a late sample at once, and the plant adds its delay to the answer's.
+In `real` a delay counts on the receiver's monotonic clock. In lockstep no service waits for a frame: the plant takes a late
+answer at its sub-step of simulated time; the others answer a late sample at once, and the plant adds its delay to the answer's.
 """
 
 from bisect import insort_right
@@ -32,7 +32,7 @@ from hydrohil.shared.units import SUBSTEP_NS
 Frame = Received | Rejected
 Acting = dict[str, tuple[Active, ...]]  # by path
 FOREVER_NS = 1 << 62
-_UNSEEN = 64  # samples by which others may be ahead: so many wait in a ring, and the plant knows all of its own
+_AHEAD = 64  # samples that an echo may be ahead of those that came: so many fit a ring; the plant knows all of its own
 
 
 class Held(NamedTuple):
@@ -50,13 +50,13 @@ class Queue(NamedTuple):
     last_ns: int = 0  # release of the youngest that is taken
 
 
-class Passage(NamedTuple):
-    """A sample that has arrived in lockstep, and what a fault made of it."""
+class ImpairedSample(NamedTuple):
+    """A sample that arrived in lockstep and that a fault took, or after a silence that a fault caused."""
 
     number: int
     time_ns: int
     silence_ns: int  # simulated time since the newest sample that had come by then
-    taken: bool  # it is answered, be it late; otherwise the plant must be told that it is not
+    taken: bool  # it is answered, be it late; otherwise the plant must learn that it will not be
 
 
 def send(queue: Queue, found: Outcome, frame: Frame, release_ns: int) -> Queue:
@@ -72,7 +72,7 @@ def send(queue: Queue, found: Outcome, frame: Frame, release_ns: int) -> Queue:
 
 
 def slip_in(queue: Queue, frame: Frame, release_ns: int) -> Queue:
-    """A frame that answers no new sample: it may pass others."""
+    """A frame that answers no new sample: it may overtake others."""
     waiting = list(queue.waiting)
     insort_right(waiting, Held(release_ns, frame), key=lambda held: held.release_ns)
     return queue._replace(waiting=tuple(waiting))
@@ -123,21 +123,21 @@ class Conditions:
         return tuple(entry for entry in self.by_hand if self.number <= ends[entry] + entry[1])
 
     def touches(self, topic: Topic) -> bool:
-        """Whether anything acts on a topic's way to this service; word of what a fault took always comes through."""
+        """Whether any fault acts on a topic's way to this service; `sample_dropped` always comes through."""
         if topic.message is SampleDropped:
             return False
-        if topic.key == SAMPLE:  # it tells the tick, by which the faults of every topic act
+        if topic.key == SAMPLE:  # it carries the tick, by which the faults of every topic act
             return any(path.endswith(f">{self.service}") for path in (*self._in_trial, *self._injected))
         return any(leg.faults for by_hand in (False, True) for leg in self._route(topic, by_hand=by_hand).legs)
 
     def outcome(self, topic: Topic, number: int, *, answers: bool) -> Outcome:
         """What becomes of a message: of one that answers sample `number`, or of one that is sent now."""
         tick = self.tick_of(number) if answers else self.tick
-        meets = outcome if answers else outcome_now
-        found = meets(self._route(topic, by_hand=False), tick) if tick != NO_TRIAL else Outcome()
+        outcome_of = outcome if answers else outcome_now
+        found = outcome_of(self._route(topic, by_hand=False), tick) if tick != NO_TRIAL else Outcome()
         if not self.by_hand:
             return found
-        return both(found, meets(self._route(topic, by_hand=True), number if answers else self.number))
+        return both(found, outcome_of(self._route(topic, by_hand=True), number if answers else self.number))
 
     def _route(self, topic: Topic, *, by_hand: bool) -> Route:
         if (topic.key, by_hand) not in self._routes:
@@ -146,7 +146,7 @@ class Conditions:
             self._routes[topic.key, by_hand] = route._replace(legs=route.legs[-1:]) if by_hand else route
         return self._routes[topic.key, by_hand]
 
-    def see(self, number: int, tick: int) -> None:
+    def observe_sample(self, number: int, tick: int) -> None:
         """A sample was issued, or has arrived."""
         self.number, self.tick = number, tick
         self._zero = None if tick == NO_TRIAL else number - tick
@@ -170,7 +170,7 @@ def conditions_of(envelope: Envelope, before: Conditions) -> Conditions:
     acting = faults(envelope, "transport")
     if before.lasting() and envelope.clock == "lockstep":
         raise ValueError("transport faults that were injected still act, and lockstep has none: `hydrohil inject --clear`")
-    made = Conditions(
+    conditions = Conditions(
         before.service,
         acting,
         seed=envelope.seed,
@@ -178,20 +178,20 @@ def conditions_of(envelope: Envelope, before: Conditions) -> Conditions:
         ticks=(-envelope.tare_ticks, envelope.duration_ticks),
         lockstep=envelope.clock == "lockstep",
     )
-    made.see(before.number, before.tick)
-    made.inject(before.lasting())
-    return made
+    conditions.observe_sample(before.number, before.tick)
+    conditions.inject(before.lasting())
+    return conditions
 
 
 class ImpairmentQueue:
     """One inbox's frames between their arrival and the step."""
 
     def __init__(self, topic: Topic, conditions: Conditions, decode: Callable[[bytes, int], Frame]) -> None:
-        """Nothing is under way; `decode` reads a frame whose bits were turned."""
+        """No frame is under way; `decode` reads a frame of which a fault has flipped a bit."""
         self._topic, self._decode = topic, decode
         self.conditions = conditions
         self.newest = NO_COMMAND  # sample that the newest frame arrived answers, whatever became of it
-        self.passages: list[Passage] = []
+        self.impaired_samples: list[ImpairedSample] = []
         self._queue = Queue()
         self._coming_ns: deque[int] = deque()  # samples that are taken, in simulated time
         self._came_ns: int | None = None  # the newest of them that has come
@@ -199,14 +199,14 @@ class ImpairmentQueue:
 
     def admit(self, frame: bytes, message: Frame, now_ns: int) -> None:
         """A frame has arrived; `now_ns` is the plant's simulated time in lockstep."""
-        if isinstance(message, Rejected):  # a stranger's, or torn already
+        if isinstance(message, Rejected):  # a foreign frame, or one that is corrupt already
             self._queue = slip_in(self._queue, message, 0)
             return
         header, conditions = message.header, self.conditions
         is_sample = self._topic.key == SAMPLE
         credible = self._credible(message, now_ns)
         if is_sample and credible:
-            conditions.see(message.body.number, message.body.tick)
+            conditions.observe_sample(message.body.number, message.body.tick)
         answers = credible and header.echo_number > self.newest
         if answers:  # otherwise it is sent again, on change, or with an echo of nothing: what acts now acts on it
             self.newest = header.echo_number
@@ -222,31 +222,31 @@ class ImpairmentQueue:
             for _ in range(found.copies):
                 self._queue = slip_in(self._queue, coming, release_ns)
         if is_sample and answers and conditions.lockstep:
-            self._pass(header.echo_number, header.echo_time_ns, tick, found)
+            self._account(header.echo_number, header.echo_time_ns, tick, found)
 
     def _credible(self, message: Received, now_ns: int) -> bool:
-        """Whether the echo may be that of a sample. One that cannot is for the receiver to judge, and nobody waits by it."""
+        """Whether the echo may be that of a sample. One that cannot is for the receiver to judge, and sets no delay."""
         header, body = message.header, message.body
         if self._topic.key == SAMPLE:
             return (header.echo_number, header.echo_time_ns) == (body.number, body.time_ns)
-        unseen = 0 if self.conditions.service == "plant" else _UNSEEN
-        return header.echo_number <= self.conditions.number + unseen and header.echo_time_ns <= now_ns
+        ahead = 0 if self.conditions.service == "plant" else _AHEAD
+        return header.echo_number <= self.conditions.number + ahead and header.echo_time_ns <= now_ns
 
     def _since_ns(self, message: Received, simulated_ns: int, tick: int) -> int:
-        """The instant from which a delay counts; 0 where nobody waits."""
+        """The instant from which a delay counts; 0 where no service waits for frames."""
         if not self.conditions.lockstep:
             return message.arrival_ns
         return simulated_ns if self._paces and tick != NO_TRIAL else 0
 
-    def _pass(self, number: int, time_ns: int, tick: int, found: Outcome) -> None:
-        """Keep the account of samples in simulated time."""
+    def _account(self, number: int, time_ns: int, tick: int, found: Outcome) -> None:
+        """Note when samples come in simulated time, and which of them a fault took or delayed."""
         if found.taken:
             self._coming_ns.append(time_ns + found.delay * SUBSTEP_NS)
         while self._coming_ns and self._coming_ns[0] <= time_ns:
             self._came_ns = self._coming_ns.popleft()
         silence_ns = 0 if self._came_ns is None else time_ns - self._came_ns
         if tick != NO_TRIAL and (not found.taken or silence_ns > 0):
-            self.passages.append(Passage(number, time_ns, silence_ns, found.taken))
+            self.impaired_samples.append(ImpairedSample(number, time_ns, silence_ns, found.taken))
 
     def released(self, simulated_ns: int, wall_ns: int) -> list[Frame]:
         """What has come by now, in order; in `real` it is stamped with the instant at which it came."""
@@ -256,7 +256,7 @@ class ImpairmentQueue:
         return [one.frame._replace(arrival_ns=max(one.release_ns, one.frame.arrival_ns)) for one in held]
 
     def next_ns(self) -> int:
-        """When the next frame comes, on the wall clock; FOREVER_NS if none is under way, or nobody waits for it."""
+        """When the next frame comes, on the wall clock; FOREVER_NS if none is under way, and in lockstep."""
         waiting = self._queue.waiting
         return waiting[0].release_ns if waiting and not self.conditions.lockstep else FOREVER_NS
 

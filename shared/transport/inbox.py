@@ -9,7 +9,7 @@ from hydrohil.shared.contract.codec import Received, Rejected, decode
 from hydrohil.shared.contract.messages import NO_COMMAND
 from hydrohil.shared.contract.topics import Topic, expression
 from hydrohil.shared.transport.acceptance import Acceptance
-from hydrohil.shared.transport.impairment_queue import FOREVER_NS, Conditions, ImpairmentQueue, Passage
+from hydrohil.shared.transport.impairment_queue import FOREVER_NS, Conditions, ImpairedSample, ImpairmentQueue
 from hydrohil.shared.transport.protection import Protection, ProtectionLimits
 
 RING = 64  # frames kept for one step; a ring of one would let a foreign frame push out a valid one
@@ -34,7 +34,7 @@ class Inbox:
         self._wake()
 
     def impair(self, conditions: Conditions) -> None:
-        """Let faults act on this topic, if any of `conditions` touches it; what is under way of the same load stays so."""
+        """Let faults act on this topic, if any of `conditions` touches it; frames under way of the same load stay under way."""
         if self.impairment_queue is not None and self.impairment_queue.conditions is conditions:
             return
         self.impairment_queue = ImpairmentQueue(self.topic, conditions, self._decode) if conditions.touches(self.topic) else None
@@ -68,19 +68,19 @@ class Inbox:
         """Sample that the newest frame taken is, answers or judges."""
         return NO_COMMAND if self.acceptance.bound is None else self.acceptance.bound.echo_number
 
-    def passages(self) -> list[Passage]:
+    def impaired_samples(self) -> list[ImpairedSample]:
         """Samples that arrived in lockstep since the last call and did not come as they should."""
         if self.impairment_queue is None:
             return []
-        passed, self.impairment_queue.passages = self.impairment_queue.passages, []
-        return passed
+        found, self.impairment_queue.impaired_samples = self.impairment_queue.impaired_samples, []
+        return found
 
     def arrived(self) -> int:
-        """Newest sample whose answer a fault holds or took; nobody waits for it."""
+        """Newest sample whose answer has arrived, delayed or lost by a fault as it may be: no step waits for it."""
         return NO_COMMAND if self.impairment_queue is None else self.impairment_queue.newest
 
     def delay_ns(self, message: Received) -> int:
-        """Simulated time by which faults made `message` later than its sample."""
+        """Simulated time by which faults delay `message` after its sample."""
         return 0 if self.impairment_queue is None else self.impairment_queue.delay_ns(message.header.echo_number)
 
     def _decode(self, frame: bytes, arrival_ns: int) -> Received | Rejected:

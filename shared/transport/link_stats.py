@@ -1,4 +1,4 @@
-"""What a receiver made of the frames that came: counts by cause, told about once a second and at every cut or trip."""
+"""What a receiver accepted and discarded, counted by cause; published once a second and at every cut or trip."""
 
 from collections.abc import Iterable
 from typing import Protocol
@@ -21,15 +21,14 @@ CAUSES = tuple(InboxCounts._fields[InboxCounts._fields.index("oversized") :])  #
 
 def inbox_counts(topic: str, acceptance: Acceptance) -> InboxCounts:
     """Counts of one inbox since its receiver's start."""
-    discarded = (acceptance.discarded[cause] for cause in CAUSES)
     return InboxCounts(
-        topic,
-        acceptance.accepted,
-        acceptance.lost,
-        acceptance.other_run,
-        acceptance.link_faults,
-        acceptance.epoch_conflicts,
-        *discarded,
+        topic=topic,
+        accepted=acceptance.accepted,
+        lost=acceptance.lost,
+        other_run=acceptance.other_run,
+        link_faults=acceptance.link_faults,
+        epoch_conflicts=acceptance.epoch_conflicts,
+        **{cause: acceptance.discarded[cause] for cause in CAUSES},
     )
 
 
@@ -39,15 +38,15 @@ def link_stats(number: int, inboxes: Iterable[Counting]) -> LinkStats:
 
 
 def due(number: int, sample_period_ns: int) -> bool:
-    """Whether the counts are told at this sample: once a second of samples."""
+    """Whether the counts are published at this sample: once a second of samples."""
     return number % max(1, NS_PER_S // sample_period_ns) == 0
 
 
-def told(inboxes: Iterable[Counting]) -> dict[str, dict[str, int]]:
-    """The same for a status: what is not zero, by topic."""
-    made = {}
+def nonzero_counts(inboxes: Iterable[Counting]) -> dict[str, dict[str, int]]:
+    """Counts that are not zero, by topic and cause: for a status."""
+    found = {}
     for inbox in inboxes:
         counts = inbox_counts(inbox.topic.key, inbox.acceptance)._asdict()
         topic = counts.pop("topic")
-        made[topic] = {name: count for name, count in counts.items() if count}
-    return made
+        found[topic] = {name: count for name, count in counts.items() if count}
+    return found

@@ -1,4 +1,4 @@
-"""What an operator breaks by hand in one service of a cell that runs: the ways to it, and its pace."""
+"""Faults that an operator injects into one service of a running cell: on its incoming links, and in its pace."""
 
 import time
 from typing import Any
@@ -20,7 +20,7 @@ class LiveFaults:
     """Faults of groups transport and process that a service plays itself."""
 
     def __init__(self, bus: Bus) -> None:
-        """Nothing is broken."""
+        """No fault acts."""
         self._bus, self._service = bus, bus.conditions.service
         self._slow: Fault | None = None
         self._span_ns = (0, 0)  # in which the service is slow
@@ -71,16 +71,16 @@ class LiveFaults:
         return conditions_of(envelope, self._bus.conditions)
 
     def _is_slow(self, now_ns: int) -> bool:
-        """Whether a pace that was injected acts or waits."""
+        """Whether an injected slowness acts or waits."""
         return self._slow is not None and now_ns < self._span_ns[1]
 
     def clear(self) -> None:
-        """Mend everything that was injected; what a fault delays still comes."""
+        """End every injected fault; frames that one has delayed still come."""
         self._slow = None
         self._bus.conditions.inject(())
 
     def spend(self) -> None:
-        """The time by which a slow service's step is longer."""
+        """Sleep for the time by which a slow service's step is longer."""
         if self._slow is None:
             return
         begin_ns, end_ns = self._span_ns
@@ -91,6 +91,6 @@ class LiveFaults:
             time.sleep(self._slow.value * _S_PER_MS)
 
     def acting(self) -> list[dict[str, Any]]:
-        """For a status: what was injected and not mended."""
+        """For a status: what was injected and has not ended."""
         slow = () if self._slow is None else (self._slow,)
         return [fault._asdict() for fault in (*slow, *(fault for fault, _ in self._bus.conditions.lasting()))]

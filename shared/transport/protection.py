@@ -2,8 +2,8 @@
 
 A bound identity is cell, sender and epoch of the stream that an inbox takes. What counts against it: a frame whose CRC is
 wrong although its header still names it, a frame of it that comes again or too late (link faults), and a valid frame of its
-sender under another epoch (a rival: two publishers, or one that started anew). Everything else is a stranger: counted by
-cause, and no fault of the link.
+sender under another epoch (an epoch conflict: two publishers, or one that was restarted). Every other frame is foreign: it
+is counted by its cause, and is no fault of the link.
 """
 
 from typing import NamedTuple
@@ -18,11 +18,11 @@ class ProtectionLimits(NamedTuple):
     """How long a fault is remembered, and how many of the newest."""
 
     window_ns: int = NS_PER_S
-    kept: int = 8  # more are told as eight
+    kept: int = 8  # more count as eight
 
 
 class ProtectionMemory(NamedTuple):
-    """When the faults of the last window were seen, newest first."""
+    """When the faults of the last window were counted, newest first."""
 
     at_ns: tuple[int, ...] = ()
 
@@ -35,32 +35,32 @@ def protection_step(memory: ProtectionMemory, limits: ProtectionLimits, faults: 
 
 
 class LinkObservation(NamedTuple):
-    """What one link has shown within the last second."""
+    """Faults and epoch conflicts of one link within the last second."""
 
     faults: int
     epoch_conflicts: int
 
 
 class Protection:
-    """The faults and epoch_conflicts of one inbox, by the clock of whoever drains it."""
+    """The faults and epoch conflicts of one inbox, on the clock of the service that drains it."""
 
     def __init__(self, acceptance: Acceptance, limits: ProtectionLimits) -> None:
-        """Nothing seen."""
+        """No fault has been counted."""
         self._acceptance, self._limits = acceptance, limits
         self._faults = self._epoch_conflicts = ProtectionMemory()
-        self._told = LinkObservation(0, 0)  # totals at the last look
+        self._totals = LinkObservation(0, 0)  # at the last call of `observe`
 
-    def look(self, now_ns: int) -> LinkObservation:
-        """Faults and epoch_conflicts of the last second, those included that came since the last look."""
+    def observe(self, now_ns: int) -> LinkObservation:
+        """Faults and epoch conflicts of the last second; those since the last call count as new at `now_ns`."""
         totals = LinkObservation(self._acceptance.link_faults, self._acceptance.epoch_conflicts)
-        self._faults = protection_step(self._faults, self._limits, totals.faults - self._told.faults, now_ns)
+        self._faults = protection_step(self._faults, self._limits, totals.faults - self._totals.faults, now_ns)
         self._epoch_conflicts = protection_step(
-            self._epoch_conflicts, self._limits, totals.epoch_conflicts - self._told.epoch_conflicts, now_ns
+            self._epoch_conflicts, self._limits, totals.epoch_conflicts - self._totals.epoch_conflicts, now_ns
         )
-        self._told = totals
+        self._totals = totals
         return LinkObservation(len(self._faults.at_ns), len(self._epoch_conflicts.at_ns))
 
 
 def worst(*links: LinkObservation) -> LinkObservation:
-    """The most faults and the most epoch_conflicts of any link: each identity has its own count."""
+    """The most faults and the most epoch conflicts of any link: each identity has its own count."""
     return LinkObservation(max(link.faults for link in links), max(link.epoch_conflicts for link in links))

@@ -1,7 +1,7 @@
-"""What an operator asks of a service: requests that wait, the one answer that each gets, and none of them twice.
+"""Requests of operators to a service: each is answered once, and a replayed one has no effect.
 
-A request names the start of the service that it is meant for, its epoch, which every answer tells: what was recorded before
-a restart has no effect after it. Within one start the numbers of each operator's session only rise.
+A request names the epoch of the service that it is meant for, which every answer carries: a request recorded before a restart
+has no effect after it. Within one epoch the numbers of each operator's session only rise.
 """
 
 import json
@@ -17,7 +17,7 @@ from hydrohil.shared.transport.inbox import RING
 
 TO = "to"  # argument of every request that acts: epoch of the service that it is meant for
 REPEATABLE = ("estop", "status")  # a stop is never refused, and a question changes nothing
-MOST_SESSIONS = 1 << 16  # of operators in one start, 10 MB; forgetting one would let its requests act again
+MOST_SESSIONS = 1 << 16  # of operators in one epoch, 10 MB; the requests of a forgotten one could act again
 _ESTOP = b"\xa5estop"  # the verb as it stands in a frame: MessagePack text of five bytes
 
 
@@ -44,11 +44,11 @@ class Requests:
     """
 
     def __init__(self, cell: str, epoch: int, header: Callable[[Topic], Header]) -> None:
-        """None has come; `epoch` is the service's own, `header` makes that of an answer."""
+        """No request has come; `epoch` is the service's own, `header` builds that of an answer."""
         self._cell, self._epoch, self._header = cell, epoch, header
         self._stops: deque[Any] = deque(maxlen=RING)
         self._waiting: deque[Any] = deque()
-        self._others: list[Request] = []  # looked at, and no stops
+        self._others: list[Request] = []  # decoded, and no emergency stops
         self._newest: dict[int, int] = {}  # number of the newest request that acted, by the asker's epoch
 
     def put(self, query: Any) -> None:
@@ -60,21 +60,21 @@ class Requests:
 
     def stops(self) -> list[Request]:
         """Emergency stops that have arrived, and nothing else; each wants one answer."""
-        made: list[Request] = []
+        found: list[Request] = []
         while self._stops:
             request = self._request(self._stops.popleft())
             if request is not None:
-                (made if request.verb == "estop" else self._others).append(request)  # the word may stand elsewhere in one
-        return made
+                (found if request.verb == "estop" else self._others).append(request)  # the word may stand elsewhere in one
+        return found
 
     def take(self) -> list[Request]:
         """Requests that have arrived, emergency stops first; each wants one answer. What cannot be served is refused here."""
-        made, others = self.stops(), self._others
+        stops, others = self.stops(), self._others
         self._others = []
         while self._waiting:
             if (request := self._request(self._waiting.popleft())) is not None:
                 others.append(request)
-        return [*made, *others]
+        return [*stops, *others]
 
     def _request(self, query: Any) -> Request | None:
         key = str(query.key_expr)
@@ -95,7 +95,7 @@ class Requests:
         return Request(asked.body.verb, arguments, answer)
 
     def _stale(self, header: Header, to: Any) -> str:
-        """Why a request must not act, one line; "" if it is meant for this start and new, and from now on it is not."""
+        """Why a request must not act, one line; "" if it may, once: its number counts as used from now on."""
         if type(to) is not int:
             return "it names no start of this service: ask for `status`, and give the epoch of that answer as argument `to`"
         if to != self._epoch:
@@ -103,7 +103,7 @@ class Requests:
         if header.seq <= self._newest.get(header.epoch, -1):
             return "this request, or a later one of the same session, came before: a replay has no effect"
         if header.epoch not in self._newest and len(self._newest) >= MOST_SESSIONS:
-            return f"{MOST_SESSIONS} sessions have asked since this service started, and no more are told apart: start it anew"
+            return f"{MOST_SESSIONS} sessions have asked since this service started, and it keeps no more of them: start it anew"
         self._newest[header.epoch] = header.seq
         return ""
 

@@ -1,33 +1,33 @@
-"""One step at a time, in whichever thread has cause for it: nobody is woken to do it, and who brings cause does not wait."""
+"""One step at a time, in the thread that has cause for it: no other thread is woken to step, and no receiving thread waits."""
 
 import threading
 from collections.abc import Callable
 
 
 class StepLock:
-    """A step that several threads may take; the one that also serves requests goes before all others, whatever floods them."""
+    """A step that several threads may take. The thread that serves requests goes before all others, whatever floods them."""
 
     def __init__(self, step: Callable[[], None]) -> None:
-        """Nobody has it."""
+        """No thread steps."""
         self._step, self._lock = step, threading.Lock()
         self._cause: bool  # something has come since the last step began
-        self._wanted = False  # by who serves
+        self._service_waits = False  # the serving thread waits for the lock
 
-    def take(self) -> None:
-        """Step here; or leave word with who has the turn, who then steps once more."""
+    def step(self) -> None:
+        """Step in this thread; if another thread is stepping, that one steps once more."""
         self._cause = True
-        while self._cause and not self._wanted and self._lock.acquire(blocking=False):
+        while self._cause and not self._service_waits and self._lock.acquire(blocking=False):
             try:
                 self._cause = False
                 self._step()
             finally:
                 self._lock.release()
 
-    def between(self, work: Callable[[], None]) -> bool:
-        """Do other `work` while nobody steps, then step; whether something has come meanwhile, for which to come again."""
-        self._wanted = True
+    def run_between_steps(self, work: Callable[[], None]) -> bool:
+        """Do other `work` while no thread steps, then step. True if something came meanwhile: then call again."""
+        self._service_waits = True
         with self._lock:
-            self._wanted = False
+            self._service_waits = False
             work()
             self._cause = False
             self._step()

@@ -111,6 +111,6 @@ def rejected_event(rejected: Rejected, times: int) -> Event:
     return Event("recorder", "WARN", f"{times} refused on {rejected.topic}: {rejected.cause}, {rejected.detail}")
 
 
-def is_told(times: int) -> bool:
+def is_reported(times: int) -> bool:
     """Whether the `times`-th of its kind gets a line: 1, 2, 4, 8, ..."""
     return times & (times - 1) == 0

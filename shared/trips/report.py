@@ -140,7 +140,7 @@ def _moved(table: Table, field: str, number: int) -> float | None:
     return max(math.dist(points[0], point) for point in points)
 
 
-def counters_of(link_statses: Mapping[str, LinkStats]) -> Document:
+def counters_of(link_stats_by_receiver: Mapping[str, LinkStats]) -> Document:
     """What each receiver made of the frames that came, by topic and cause; zeros left out, but what was accepted."""
     return {
         receiver: {
@@ -149,7 +149,7 @@ def counters_of(link_statses: Mapping[str, LinkStats]) -> Document:
             }
             for inbox in link_stats.inboxes
         }
-        for receiver, link_stats in sorted(link_statses.items())
+        for receiver, link_stats in sorted(link_stats_by_receiver.items())
     }
 
 

@@ -34,7 +34,7 @@ class Caught(NamedTuple):
 
     messages: dict[str, list[Received]]
     description: PlantDescription | None
-    link_statses: dict[str, LinkStats]  # the newest of each receiver
+    link_stats_by_receiver: dict[str, LinkStats]  # the newest of each receiver
     changes: tuple[ParameterEvent, ...] = ()  # by hand, since the trial began, however long before
 
 
@@ -45,7 +45,7 @@ class TripRing:
         """Nothing heard."""
         self.description: PlantDescription | None = None
         self._rings: defaultdict[str, deque[Received]] = defaultdict(lambda: deque(maxlen=_DEEPEST))
-        self._link_statses: dict[str, LinkStats] = {}
+        self._link_stats_by_receiver: dict[str, LinkStats] = {}
         self._changes: deque[ParameterEvent] = deque(maxlen=_CHANGES)
         self._plant: int | None = None  # epoch
         self._newest_ns = 0
@@ -72,7 +72,7 @@ class TripRing:
         if isinstance(message.body, PlantDescription):
             self.description = message.body
         else:
-            self._link_statses[message.header.sender] = message.body
+            self._link_stats_by_receiver[message.header.sender] = message.body
 
     def _take(self, message: Received) -> None:
         body = message.body
@@ -128,4 +128,4 @@ class TripRing:
             return
         self._tripped_ns = None
         messages: dict[str, list[Any]] = {topic: list(ring) for topic, ring in self._rings.items()}
-        self._done.append(Caught(messages, self.description, dict(self._link_statses), tuple(self._changes)))
+        self._done.append(Caught(messages, self.description, dict(self._link_stats_by_receiver), tuple(self._changes)))

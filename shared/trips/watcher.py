@@ -22,7 +22,7 @@ def document_of(caught: Caught, utc: str, cell: str, receiver: str, counters: di
     samples = caught.messages.get(SAMPLE)
     header = samples[-1].header if samples else None
     run, experiment = (header.run, header.experiment.hex()) if header else (0, "")
-    counted = counters_of(caught.link_statses) | counters
+    counted = counters_of(caught.link_stats_by_receiver) | counters
     origin, changed = Origin(utc, cell, receiver, run, experiment), tuple(map(change_words, caught.changes))
     return trip_report(tables(caught.messages), origin, caught.description, counted, changed)
 

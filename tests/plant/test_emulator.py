@@ -5,7 +5,7 @@ from hydrohil.services.plant.device import Timeline
 from hydrohil.services.plant.emulator import Emulator
 from hydrohil.services.plant.machine import advance, machine_start
 from hydrohil.services.plant.params import UNIMATE, Environment, contact_params
-from hydrohil.shared.compiled.compiled_value import resident
+from hydrohil.shared.compiled.compiled_value import compiled_value
 from hydrohil.shared.contract.faults import Fault
 from hydrohil.shared.contract.messages import NO_TRIAL
 
@@ -122,14 +122,14 @@ def test_the_noise_of_a_trial_is_that_of_its_ticks(scene):
 @pytest.mark.parametrize("kind", ["free", "plate", "crate"])
 def test_nothing_compiles_after_the_emulator_is_made(scene, kind):
     timeline, emulator = scene
-    compiled_for, held_for = list(emulator._advance.signatures), list(resident.signatures)
+    compiled_for, held_for = list(emulator._advance.signatures), list(compiled_value.signatures)
     emulator.load(PlantConfig(environment=Environment(kind=kind), sample_period_substeps=20), 5, -100, 300, ())
     emulator.begin()
     timeline.tick, timeline.substep = 0, 16
     emulator.write(MOVING)
     at(scene, 200)
     assert list(emulator._advance.signatures) == compiled_for
-    assert list(resident.signatures) == held_for
+    assert list(compiled_value.signatures) == held_for
     assert len(compiled_for) == len(held_for) == 1
 
 

@@ -96,7 +96,7 @@ def an_answer_that_stands_still(channel, key):
 
 def of_an_earlier_life(channel, key):
     channel.good(key)
-    channel.inbox(key).acceptance._left.add(5)
+    channel.inbox(key).acceptance._abandoned.add(5)
     channel.put(key, epoch=5, seq=900)
 
 

@@ -202,7 +202,7 @@ def test_the_counts_of_each_inbox_are_a_row_at_their_sample_and_a_line_where_the
     for seq, (number, counts) in enumerate(tellings):
         messages.append(received("plant/link_stats", LinkStats(number, (counts,)), seq, number))
     written = write(messages)
-    entity = "reception/plant/controller/command"
+    entity = "link_stats/plant/controller/command"
     np.testing.assert_array_equal(matrix(written, entity), [inbox[1:], tellings[1][1][1:]])
     assert [rows.times.samples.tolist() for rows in of(written, entity)] == [[1000], [1222]]
     assert [rows.values for rows in of(written, "log/plant")] == [[("WARN", "plant of controller/command: 2 crc")]]

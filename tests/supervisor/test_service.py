@@ -270,9 +270,9 @@ def test_in_lockstep_a_second_is_a_second_of_samples():
     scene.step(samples=221)
     scene.again("plant/sample")
     scene.step()
-    assert scene.supervisor.samples.protection.look(scene.number * 4_500_000).faults == 2
+    assert scene.supervisor.samples.protection.observe(scene.number * 4_500_000).faults == 2
     scene.step(samples=2)
-    assert scene.supervisor.samples.protection.look(scene.number * 4_500_000).faults == 1
+    assert scene.supervisor.samples.protection.observe(scene.number * 4_500_000).faults == 1
 
 
 def test_answers_that_are_not_in_time_are_told_in_the_status():

@@ -74,7 +74,7 @@ class Stepped:
         self.bus = Bus("controller", CELL, 7450, EPOCHS["controller"])
         self.inbox = Inbox(BY_KEY["plant/sample"], CELL, RING, self.bus._arrived)
         self.bus._inboxes[self.inbox] = None
-        self.bus.attend(StepLock(step))
+        self.bus.step_on_arrival(StepLock(step))
 
     def arrive(self):
         sample = SimpleNamespace(payload=SimpleNamespace(to_bytes=lambda: b"frame"))
@@ -121,7 +121,7 @@ def test_a_thread_of_the_transport_keeps_its_python_state_from_frame_to_frame():
 
     with Bus("plant", CELL, port, 1) as plant, Bus("controller", CELL, port, 2) as controller:
         controller.subscribe("controller/state")
-        controller.attend(StepLock(step))
+        controller.step_on_arrival(StepLock(step))
         deadline = time.monotonic() + 10.0
         while len(seen) < 20 and time.monotonic() < deadline:
             plant.publish("controller/state", state_body())

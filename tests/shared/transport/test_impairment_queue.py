@@ -25,13 +25,13 @@ class Scene:
         self.key = key
         self.inbox = Inbox(BY_KEY[key], CELL, RING, lambda: None)
         self.conditions = Conditions(receiver, faults, seed=3, period=PERIOD, ticks=(-8, 400), lockstep=lockstep)
-        self.conditions.see(ZERO_NUMBER, 0)
+        self.conditions.observe_sample(ZERO_NUMBER, 0)
         self.inbox.impair(self.conditions)
 
     def issue(self, tick):
         """The plant has issued this sample; outside a trial it has no tick."""
         conditions = self.conditions
-        conditions.see(ZERO_NUMBER + tick, NO_TRIAL if conditions.tick == NO_TRIAL else tick)
+        conditions.observe_sample(ZERO_NUMBER + tick, NO_TRIAL if conditions.tick == NO_TRIAL else tick)
 
     def put(self, tick, *, seq=None, body=None, echo_tick=None):
         if self.conditions.service == "plant" and ZERO_NUMBER + tick > self.conditions.number:
@@ -124,7 +124,7 @@ def test_a_sample_whose_echo_is_not_its_own_number_moves_no_fault():
 
 def test_outside_a_trial_nothing_happens_to_a_frame():
     scene = Scene("controller/command", "plant", Fault("partition", "controller>plant"))
-    scene.conditions.see(ZERO_NUMBER, NO_TRIAL)
+    scene.conditions.observe_sample(ZERO_NUMBER, NO_TRIAL)
     scene.put(3)
     assert scene.ticks(0) == [3]
 
@@ -157,7 +157,7 @@ def test_a_cut_takes_what_is_sent_again_on_an_old_sample_too():
     scene = Scene("supervisor/permit", "plant", Fault("partition", "supervisor>plant", 0.045))
     scene.put(9, body=permit_body())
     assert scene.ticks() == [9]
-    scene.conditions.see(ZERO_NUMBER + 12, 12)
+    scene.conditions.observe_sample(ZERO_NUMBER + 12, 12)
     scene.put(12, echo_tick=9, seq=999, body=permit_body())
     assert scene.ticks() == []
 
@@ -175,7 +175,7 @@ def test_in_lockstep_a_lost_sample_is_told_and_a_late_one_answered_at_once():
     lost.put(-1)
     lost.put(0)
     assert lost.ticks() == [-1]
-    assert [(p.number, p.taken) for p in lost.inbox.passages()] == [(ZERO_NUMBER, False)]
+    assert [(p.number, p.taken) for p in lost.inbox.impaired_samples()] == [(ZERO_NUMBER, False)]
     late = Scene("plant/sample", "controller", Fault("delay", "plant>controller", value=50.0))
     late.put(0)
     assert late.ticks() == [0]
@@ -186,7 +186,7 @@ def test_silence_is_simulated_time_since_the_newest_sample_that_had_come():
     for tick in (-2, -1, 0, 1):
         scene.put(tick)
     scene.ticks()
-    assert [passage.silence_ns for passage in scene.inbox.passages()] == [4_500_000, 9_000_000]
+    assert [impaired.silence_ns for impaired in scene.inbox.impaired_samples()] == [4_500_000, 9_000_000]
 
 
 def test_in_real_a_late_frame_waits_on_the_wall_clock_and_the_wake_up_is_known():
@@ -245,7 +245,7 @@ def test_lockstep_is_refused_while_something_injected_acts():
 def test_what_is_injected_by_hand_begins_with_the_next_sample_in_a_trial_or_outside():
     scene = Scene("controller/command", "plant", lockstep=False)
     assert scene.inbox.impairment_queue is None
-    scene.conditions.see(ZERO_NUMBER + 4, NO_TRIAL)
+    scene.conditions.observe_sample(ZERO_NUMBER + 4, NO_TRIAL)
     scene.conditions.inject(((Fault("burst", "controller>plant", value=2.0), ZERO_NUMBER + 4),))
     scene.inbox.impair(scene.conditions)
     assert len(scene.conditions.lasting()) == 1
@@ -257,7 +257,7 @@ def test_what_is_injected_by_hand_begins_with_the_next_sample_in_a_trial_or_outs
 
 def test_a_fault_on_any_way_to_a_service_makes_it_look_at_the_samples_which_tell_the_tick():
     samples = Scene("plant/sample", "supervisor", Fault("partition", "controller>supervisor"))
-    samples.conditions.see(0, NO_TRIAL)
+    samples.conditions.observe_sample(0, NO_TRIAL)
     samples.put(5)
     assert samples.ticks() == [5]
     assert samples.conditions.tick == 5

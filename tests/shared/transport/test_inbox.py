@@ -75,7 +75,7 @@ def test_the_newest_frame_may_be_looked_at_and_stays_where_it_is():
 
 def test_before_anything_came_there_is_no_number_and_without_faults_nothing_is_held():
     scene = Scene()
-    assert (scene.inbox.number, scene.inbox.arrived(), scene.inbox.passages()) == (NO_COMMAND, NO_COMMAND, [])
+    assert (scene.inbox.number, scene.inbox.arrived(), scene.inbox.impaired_samples()) == (NO_COMMAND, NO_COMMAND, [])
     scene.put(1)
     assert scene.inbox.delay_ns(scene.inbox.take()[0]) == 0
 
@@ -96,5 +96,5 @@ def test_a_sample_that_a_fault_took_is_told_once():
     scene = Impaired("plant/sample", "controller", Fault("burst", "plant>controller", value=1.0))
     scene.put(0)
     assert scene.ticks() == []
-    assert [passage.number for passage in scene.inbox.passages()] == [100]
-    assert scene.inbox.passages() == []
+    assert [impaired.number for impaired in scene.inbox.impaired_samples()] == [100]
+    assert scene.inbox.impaired_samples() == []

@@ -5,7 +5,7 @@ from hydrohil.shared.contract.messages import InboxCounts
 from hydrohil.shared.contract.topics import BY_KEY, TOPICS, expression
 from hydrohil.shared.transport.acceptance import Acceptance
 from hydrohil.shared.transport.inbox import Inbox
-from hydrohil.shared.transport.link_stats import CAUSES, due, inbox_counts, link_stats, told
+from hydrohil.shared.transport.link_stats import CAUSES, due, inbox_counts, link_stats, nonzero_counts
 from tests.support.wire_scene import CELL, command_body, header
 
 COMMAND = BY_KEY["controller/command"]
@@ -39,7 +39,7 @@ def test_every_count_stands_under_its_name():
 
 
 def test_a_status_tells_what_is_not_zero():
-    seen = told([inbox()])
+    seen = nonzero_counts([inbox()])
     assert seen[COMMAND.key]["crc"] == 2
     assert 0 not in seen[COMMAND.key].values()
     assert not {"malformed", "topic"} & set(seen[COMMAND.key])

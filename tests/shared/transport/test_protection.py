@@ -71,25 +71,25 @@ def test_as_many_are_seen_as_came_within_the_second_up_to_eight(steps):
 def test_a_watch_tells_each_fault_once_and_for_a_second():
     acceptance = Acceptance()
     watch = Protection(acceptance, LIMITS)
-    assert watch.look(0) == (0, 0)
+    assert watch.observe(0) == (0, 0)
     for message in (frame(0), frame(0), frame(1), corrupt(), corrupt()):
         acceptance.take(message)
-    assert watch.look(10) == LinkObservation(faults=3, epoch_conflicts=0)
-    assert watch.look(SECOND + 9) == (3, 0)
-    assert watch.look(SECOND + 10) == (0, 0)
+    assert watch.observe(10) == LinkObservation(faults=3, epoch_conflicts=0)
+    assert watch.observe(SECOND + 9) == (3, 0)
+    assert watch.observe(SECOND + 10) == (0, 0)
     acceptance.take(frame(0, epoch=2))
     acceptance.take(frame(2))
-    assert watch.look(SECOND + 11) == LinkObservation(faults=0, epoch_conflicts=2)
+    assert watch.observe(SECOND + 11) == LinkObservation(faults=0, epoch_conflicts=2)
     acceptance.take(frame(3))
-    assert watch.look(2 * SECOND + 10) == LinkObservation(faults=0, epoch_conflicts=3)
-    assert watch.look(2 * SECOND + 11) == LinkObservation(faults=0, epoch_conflicts=1)
+    assert watch.observe(2 * SECOND + 10) == LinkObservation(faults=0, epoch_conflicts=3)
+    assert watch.observe(2 * SECOND + 11) == LinkObservation(faults=0, epoch_conflicts=1)
 
 
 def test_what_came_before_the_first_look_counts():
     acceptance = Acceptance()
     for message in (frame(0), frame(0), frame(0, epoch=2)):
         acceptance.take(message)
-    assert Protection(acceptance, LIMITS).look(0) == LinkObservation(faults=1, epoch_conflicts=1)
+    assert Protection(acceptance, LIMITS).observe(0) == LinkObservation(faults=1, epoch_conflicts=1)
 
 
 def test_one_a_second_is_borne():

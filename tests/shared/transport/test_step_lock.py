@@ -15,11 +15,11 @@ def test_who_finds_the_turn_taken_returns_at_once_and_its_cause_is_served_by_who
         begun.set()
         go_on.wait(10.0)
 
-    turns = StepLock(step)
-    holder = threading.Thread(target=turns.take, name="holder")
+    step_lock = StepLock(step)
+    holder = threading.Thread(target=step_lock.step, name="holder")
     holder.start()
     assert begun.wait(10.0)
-    turns.take()  # comes while the other steps: it would hang here if it waited
+    step_lock.step()  # comes while the other steps: it would hang here if it waited
     assert served == ["holder"]
     go_on.set()
     holder.join(10.0)
@@ -33,10 +33,10 @@ def test_however_many_find_it_taken_one_more_step_serves_them_all():
         served.append(len(served))
         if len(served) == 1:
             for _ in range(5):
-                turns.take()
+                step_lock.step()
 
-    turns = StepLock(step)
-    turns.take()
+    step_lock = StepLock(step)
+    step_lock.step()
     assert served == [0, 1]
 
 
@@ -47,45 +47,45 @@ def test_no_cause_is_lost_between_threads():
         while brought:
             done.append(brought.popleft())
 
-    turns = StepLock(step)
+    step_lock = StepLock(step)
 
     def bring() -> None:
         for i in range(2000):
             brought.append(i)
-            turns.take()
+            step_lock.step()
 
     threads = [threading.Thread(target=bring) for _ in range(4)]
     for thread in threads:
         thread.start()
     while any(thread.is_alive() for thread in threads):
-        turns.between(lambda: None)
+        step_lock.run_between_steps(lambda: None)
     assert not brought
     assert len(done) == 8000
 
 
 def test_work_comes_before_the_step_and_what_came_during_it_is_in_that_step():
     order = []
-    turns = StepLock(lambda: order.append("step"))
+    step_lock = StepLock(lambda: order.append("step"))
 
     def work() -> None:
-        turns.take()
+        step_lock.step()
         order.append("work")
 
-    assert not turns.between(work)
+    assert not step_lock.run_between_steps(work)
     assert order == ["work", "step"]
 
 
-def test_who_serves_is_told_of_what_came_while_it_stepped():
+def test_the_serving_thread_learns_of_what_came_while_it_stepped():
     steps = []
 
     def step() -> None:
         steps.append(1)
         if len(steps) == 1:
-            turns.take()
+            step_lock.step()
 
-    turns = StepLock(step)
-    assert turns.between(lambda: None)
-    assert not turns.between(lambda: None)
+    step_lock = StepLock(step)
+    assert step_lock.run_between_steps(lambda: None)
+    assert not step_lock.run_between_steps(lambda: None)
     assert len(steps) == 2
 
 
@@ -97,18 +97,18 @@ def test_a_flood_that_gives_cause_at_every_step_does_not_keep_who_serves_away():
         if len(order) == 1:
             serving.start()
             deadline = time.monotonic() + 5.0
-            while not turns._wanted and time.monotonic() < deadline:
+            while not step_lock._service_waits and time.monotonic() < deadline:
                 time.sleep(0.001)
-            turns.take()  # as another thread would: something has come again
+            step_lock.step()  # as another thread would: something has come again
 
-    turns = StepLock(step)
-    serving = threading.Thread(target=turns.between, args=(lambda: order.append("work"),), name="server")
-    flooded = threading.Thread(target=turns.take, name="transport")
+    step_lock = StepLock(step)
+    serving = threading.Thread(target=step_lock.run_between_steps, args=(lambda: order.append("work"),), name="server")
+    flooded = threading.Thread(target=step_lock.step, name="transport")
     flooded.start()
     flooded.join(10.0)
     serving.join(10.0)
     assert order == ["step by transport", "work", "step by server"]
-    turns.take()
+    step_lock.step()
     assert len(order) == 4
 
 
@@ -120,8 +120,8 @@ def test_a_step_that_raises_gives_the_turn_back():
         if outcome is not None:
             raise outcome
 
-    turns = StepLock(step)
+    step_lock = StepLock(step)
     with pytest.raises(ValueError, match="broken"):
-        turns.take()
-    turns.take()
+        step_lock.step()
+    step_lock.step()
     assert next(outcomes, "all taken") == "all taken"

@@ -1,5 +1,5 @@
 from hydrohil.shared.contract.messages import GateCause, GateEvent, GateState, InboxCounts, ParameterEvent, Permit
-from hydrohil.shared.trips.events import gap_event, gate_event, is_told, link_stats_event, parameter_event, permit_events
+from hydrohil.shared.trips.events import gap_event, gate_event, is_reported, link_stats_event, parameter_event, permit_events
 from hydrohil.shared.trips.gaps import Counted, Sequence
 from tests.support.recorder_trial import received, trial
 
@@ -59,7 +59,7 @@ def test_a_gap_names_the_numbers_that_are_missing():
 
 
 def test_refusals_are_told_at_each_doubling():
-    assert [n for n in range(1, 20) if is_told(n)] == [1, 2, 4, 8, 16]
+    assert [n for n in range(1, 20) if is_reported(n)] == [1, 2, 4, 8, 16]
 
 
 def test_a_count_that_grows_is_told_and_the_first_telling_is_the_base():
