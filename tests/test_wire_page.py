@@ -1,63 +1,23 @@
-"""README and docs/wire.md against the code: tables, command lines, links, and the foreign controller."""
+"""The page of the wire against the code: tables, the frame, and the controller in another language."""
 
 import json
 import re
-import shlex
 import sys
-from pathlib import Path
 from types import SimpleNamespace
 from typing import Any
 
 import pytest
-import typer.main
-from typer.testing import CliRunner
 
-from hydrohil.cli.main import app
-from hydrohil.experiment.overrides import with_overrides
 from hydrohil.shared.contract import messages
 from hydrohil.shared.contract.codec import WIRE_VERSION, Header, Received, decode, encode
 from hydrohil.shared.contract.messages import NO_TRIAL, Command, ControllerState, Sample
-from hydrohil.shared.contract.topics import ANSWER, ASK, BY_KEY, BY_SCHEMA, SERVICES, TOPICS, WARMUP, expression
-from hydrohil.shared.host import process
+from hydrohil.shared.contract.topics import ANSWER, ASK, BY_KEY, BY_SCHEMA, TOPICS, expression
 from hydrohil.shared.transport.endpoints import LISTENERS
-from hydrohil.thesis.library import find
+from tests.support.pages import DOCS, blocks, rows
 
-ROOT = Path(__file__).resolve().parent.parent
-README = (ROOT / "README.md").read_text()
-WIRE = (ROOT / "docs" / "wire.md").read_text()
-PAGES = [ROOT / "README.md", ROOT / "CHANGELOG.md", *sorted((ROOT / "docs").glob("*.md"))]
-COMMANDS: Any = typer.main.get_command(app)
+WIRE = (DOCS / "reference" / "wire.md").read_text()
 CELL = "left"
 NS_PER_PERIOD = 4_500_000
-
-
-def blocks(text: str, language: str) -> list[str]:
-    """Fenced code blocks of one language."""
-    return re.findall(rf"```{language}\n(.*?)```", text, re.DOTALL)
-
-
-def rows(text: str, first_column: str) -> list[list[str]]:
-    """Cells of the table whose heading begins with `first_column`."""
-    table = text[text.index(f"| {first_column} |") :].split("\n\n", 1)[0].splitlines()
-    return [[cell.strip().strip("`") for cell in line.strip("| ").split("|")] for line in table[2:]]
-
-
-def command_lines() -> list[list[str]]:
-    """Every `hydrohil ...` of README and docs, in words, up to a redirection or the next command."""
-    found = []
-    for page in PAGES:
-        text = page.read_text()
-        lines = [line for block in blocks(text, "sh") for line in block.splitlines()]
-        lines += re.findall(r"`(hydrohil [^`]+)`", re.sub(r"```.*?```", "", text, flags=re.DOTALL))
-        for line in lines:
-            for part in re.split(r"&&|;|\||>", line):
-                words = shlex.split(part, comments=True)
-                if words[:1] == ["hydrohil"]:
-                    found.append(words[1:])
-    return found
-
-
-LINES = command_lines()
 
 
 def field_names(column: str) -> list[str]:
@@ -65,26 +25,16 @@ def field_names(column: str) -> list[str]:
     return [name.strip() for name in column.split(",")]
 
 
-def test_the_topic_table_is_that_of_the_code() -> None:
-    written = rows(README, "topic")
-    assert [tuple(row[:6]) for row in written] == [
-        (
-            topic.key,
+def test_the_table_names_every_key_schema_message_publisher_and_deadline() -> None:
+    written = {row[0]: row[1:5] for row in rows(WIRE, "key after the prefix")}
+    for key, topic in BY_KEY.items():
+        assert written[key] == [
             str(topic.schema),
             topic.message.__name__,
             topic.publisher,
-            "once a sample" if topic.per_sample else "on change",
             topic.deadline or "-",
-        )
-        for topic in TOPICS
-    ]
-    assert f"`{WARMUP.key}` (schema {WARMUP.schema})" in README
-
-
-def test_the_wire_page_names_every_key_and_schema() -> None:
-    written = {row[0]: row[1] for row in rows(WIRE, "key after the prefix")}
-    assert {key: written[key] for key in BY_KEY} == {key: str(topic.schema) for key, topic in BY_KEY.items()}
-    assert written["operator/request/<service>"] == f"{ASK.schema}, answer {ANSWER.schema}"
+        ]
+    assert written["operator/request/<service>"][0] == f"{ASK.schema}, answer {ANSWER.schema}"
 
 
 def test_the_wire_page_lists_the_header_in_order() -> None:
@@ -105,58 +55,6 @@ def test_the_wire_page_lists_every_cause(causes: Any) -> None:
     assert ", ".join(f"{int(cause)} {cause.name.lower().replace('_', ' ')}" for cause in causes) in text
 
 
-def test_command_lines_are_found() -> None:
-    assert {"run", "up", "down", "status", "estop", "reset", "recover", "view", *SERVICES} <= {line[0] for line in LINES}
-
-
-@pytest.mark.parametrize("line", [line for line in LINES if line[0] not in SERVICES], ids=" ".join)
-def test_a_command_line_parses(line: list[str]) -> None:
-    name, *arguments = line
-    if not arguments:
-        assert name in COMMANDS.commands
-        return
-    arguments = ["fig-4-25" if word in ("NAME", "mine.toml") else word for word in arguments]
-    given = COMMANDS.commands[name].make_context(name, arguments).params  # raises on an unknown option
-    if "name" in given:
-        with_overrides(find(given["name"]), given.get("settings") or [])  # raises on an unknown name or field
-    assert given.get("clock", "real") in ("real", "lockstep", "local")
-
-
-@pytest.mark.parametrize("service", [*SERVICES, "router"])
-def test_a_service_knows_the_options_named(service: str) -> None:
-    named = {word for line in LINES if line[0] == service for word in line[1:] if word.startswith("--")}
-    known = re.findall(r"--[a-z-]+", CliRunner().invoke(app, [service, "--help"]).output)
-    assert ({"--listen"} if service == "router" else {"--cell", "--port"}) <= named <= {*known}
-
-
-def test_every_make_target_named_exists() -> None:
-    named = set(re.findall(r"^make ([a-z]+)|`make ([a-z]+)`", README, re.MULTILINE))
-    targets = set(re.findall(r"^([a-z]+):", (ROOT / "Makefile").read_text(), re.MULTILINE))
-    wanted = {first or second for first, second in named}
-    assert {"demo", "test", "check", "slow"} <= wanted <= targets
-
-
-def test_every_file_linked_exists() -> None:
-    for page in PAGES:
-        for target in re.findall(r"\]\(([^)#]+)\)", page.read_text()):
-            assert target.startswith("https://") or (page.parent / target).exists(), f"{page.name}: {target}"
-
-
-def test_every_file_and_folder_of_the_project_named_exists() -> None:
-    for page in PAGES:
-        for name in re.findall(r"`((?:shared|services|rollout|experiments|tests|docs|\.ci)/[\w./-]*)`", page.read_text()):
-            assert (ROOT / name).exists(), f"{page.name}: {name}"
-
-
-def test_the_exit_statuses_are_those_of_the_code() -> None:
-    written = {int(row[0]) for row in rows(README, "exit status")}
-    assert written - {130} == {value for name, value in vars(process).items() if name.startswith("EXIT_")}
-    words = {int(row[0]): row[1] for row in rows(README, "exit status")}
-    for status, word in ((process.EXIT_CLAIM, "claim"), (process.EXIT_USAGE, "usage"), (process.EXIT_TRIPPED, "tripped")):
-        assert word in words[status]
-    assert "transport" in words[process.EXIT_TRANSPORT]
-
-
 def test_the_frame_printed_is_what_the_codec_makes() -> None:
     key = expression("cell", "controller/command")
     header = Header(WIRE_VERSION, 5, "cell", 7, b"", "controller", 3, 11, 0, 42, 189_000_000)
@@ -168,7 +66,7 @@ def still() -> SimpleNamespace:
     """The foreign controller's module, without its transport."""
     (code,) = blocks(WIRE, "python")
     names: dict[str, Any] = {"__name__": "still"}
-    exec(compile(code, "docs/wire.md", "exec"), names)  # the block that a reader would save
+    exec(compile(code, "docs/reference/wire.md", "exec"), names)  # the block that a reader would save
     return SimpleNamespace(**names)
 
 
@@ -245,9 +143,3 @@ def test_every_schema_of_the_foreign_controller_is_the_table_s(still: SimpleName
     named = {still.SAMPLE: "plant/sample", still.COMMAND: "controller/command", still.STATE: "controller/state"}
     assert named == {schema: BY_SCHEMA[schema].key for schema in named}
     assert {still.ASK: ASK.key, still.ANSWER: ANSWER.key} == {ASK.schema: ASK.key, ANSWER.schema: ANSWER.key}
-
-
-def test_the_safety_page_has_a_row_for_every_cause_in_their_order() -> None:
-    rows = [line.split("|")[1].strip() for line in (ROOT / "docs/safety.md").read_text().splitlines() if line.startswith("| ")]
-    causes = [row for row in rows if row in messages.TripCause.__members__]
-    assert causes == [cause.name for cause in messages.TripCause if cause]

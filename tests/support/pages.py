@@ -1,0 +1,79 @@
+"""The pages of the documentation as data: blocks, tables, links, anchors, command lines."""
+
+import importlib.util
+import re
+import shlex
+from collections.abc import Iterator
+from functools import cache
+from pathlib import Path
+from types import ModuleType
+
+ROOT = Path(__file__).resolve().parents[2]
+DOCS = ROOT / "docs"
+TOP = (ROOT / "README.md", ROOT / "CONTRIBUTING.md", ROOT / "CHANGELOG.md")
+PAGES = (*TOP, *sorted(DOCS.rglob("*.md")))
+_FENCED = re.compile(r"^(`{3,})(\w*)[^\n]*\n(.*?)^\1$", re.DOTALL | re.MULTILINE)
+
+
+def name_of(page: Path) -> str:
+    return page.relative_to(ROOT).as_posix()
+
+
+def generator() -> ModuleType:
+    """`docs/generate.py`, which is in no package."""
+    spec = importlib.util.spec_from_file_location("docs_generate", DOCS / "generate.py")
+    assert spec is not None and spec.loader is not None
+    module = importlib.util.module_from_spec(spec)
+    spec.loader.exec_module(module)
+    return module
+
+
+@cache
+def site() -> dict[str, str]:
+    """Every page of the site by its path there: those that are written, and those that are made from the code."""
+    written = {page.relative_to(DOCS).as_posix(): page.read_text() for page in DOCS.rglob("*.md")}
+    return written | generator().generated()
+
+
+def without_code(text: str) -> str:
+    return _FENCED.sub("", text)
+
+
+def blocks(text: str, language: str) -> list[str]:
+    """Fenced code blocks of one language."""
+    return [found[3] for found in _FENCED.finditer(text) if found[2] == language]
+
+
+def rows(text: str, first_column: str) -> list[list[str]]:
+    """Cells of the table whose heading begins with `first_column`."""
+    table = text[text.index(f"| {first_column} |") :].split("\n\n", 1)[0].splitlines()
+    return [[cell.strip().strip("`") for cell in line.strip("| ").split("|")] for line in table[2:]]
+
+
+def anchors(text: str) -> set[str]:
+    """What a link may name in a page: its headings, as the site builder writes them."""
+    headings = re.findall(r"^#+ (.+)$", without_code(text), re.MULTILINE)
+    return {re.sub(r"[\s-]+", "-", re.sub(r"[^\w\s-]", "", heading.lower()).strip()) for heading in headings}
+
+
+def links(text: str) -> list[str]:
+    return re.findall(r"\]\(([^)\s]+)\)", without_code(text))
+
+
+def commands_in(line: str) -> Iterator[list[str]]:
+    """Words of each `hydrohil ...` in a line of shell, up to a redirection or the next command."""
+    for part in re.split(r"&&|;|\||>", line):
+        words = shlex.split(part, comments=True)
+        if words[:1] == ["hydrohil"]:
+            yield words[1:]
+
+
+def command_lines() -> list[list[str]]:
+    """Every `hydrohil ...` of every page, in words."""
+    found = []
+    for page in PAGES:
+        text = page.read_text()
+        lines = [line for block in blocks(text, "sh") for line in block.splitlines()]
+        lines += re.findall(r"`(hydrohil [^`]+)`", without_code(text))
+        found += [words for line in lines for words in commands_in(line)]
+    return found
