@@ -3,7 +3,7 @@ VENV := .venv
 BIN := $(VENV)/bin
 STAMP := $(VENV)/.installed
 
-.PHONY: install demo test check slow coverage mutants fuzz lock clean
+.PHONY: install demo test check slow coverage mutants fuzz docs lock clean
 
 install: $(STAMP)
 
@@ -51,9 +51,15 @@ slow: install
 	$(BIN)/python -m pytest -m slow
 
 # The versions of .venv become those that CI installs.
+# The site in build/site; fails on a link or an anchor that leads nowhere.
+docs: install
+	$(BIN)/python -m pip install --quiet --disable-pip-version-check --editable '.[docs]'
+	$(BIN)/python docs/generate.py
+	$(BIN)/zensical build --clean --strict
+
 lock: install
 	echo '# Versions that CI installs; `make lock` writes them anew from a fresh .venv.' > .ci/constraints.txt
 	$(BIN)/python -m pip freeze --exclude-editable >> .ci/constraints.txt
 
 clean:
-	rm -rf $(VENV) runs .pytest_cache .mypy_cache .ruff_cache .hypothesis .coverage *.egg-info
+	rm -rf $(VENV) runs build .pytest_cache .mypy_cache .ruff_cache .hypothesis .coverage *.egg-info

@@ -34,11 +34,11 @@ def code(value: object) -> str:
     return f"`{value}`"
 
 
-def site_links(text: str) -> str:
-    """A page of the repository's top as a page of the site: its links into docs/ start there."""
+def on_site(text: str) -> str:
+    """A page of the repository as a page of the site: there docs/ is the top, and beside it lie the pages of REPOSITORY_PAGES."""
     text = re.sub(r"\]\(docs/", "](", text)
     for there, here in REPOSITORY_PAGES.items():
-        text = text.replace(f"]({there}", f"]({here}")
+        text = text.replace(f"]({there}", f"]({here}").replace(f"../{there}", here)
     return text
 
 
@@ -269,7 +269,7 @@ def _comments(kind: Any) -> dict[str, str]:
 
 def generated() -> dict[str, str]:
     """Every page that is made, by its path on the site."""
-    made = {here: site_links((ROOT / there).read_text()) for there, here in REPOSITORY_PAGES.items()}
+    made = {here: on_site((ROOT / there).read_text()) for there, here in REPOSITORY_PAGES.items()}
     made |= {
         "reference/command-line.md": command_line(),
         "reference/library.md": library(),
@@ -287,7 +287,10 @@ def main() -> None:
         if source.suffix in COPIED:
             target = OUT / source.relative_to(DOCS)
             target.parent.mkdir(parents=True, exist_ok=True)
-            shutil.copyfile(source, target)
+            if source.suffix == ".md":
+                target.write_text(on_site(source.read_text()))
+            else:
+                shutil.copyfile(source, target)
     for name, text in generated().items():
         (OUT / name).parent.mkdir(parents=True, exist_ok=True)
         (OUT / name).write_text(text)

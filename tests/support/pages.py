@@ -31,8 +31,9 @@ def generator() -> ModuleType:
 @cache
 def site() -> dict[str, str]:
     """Every page of the site by its path there: those that are written, and those that are made from the code."""
-    written = {page.relative_to(DOCS).as_posix(): page.read_text() for page in DOCS.rglob("*.md")}
-    return written | generator().generated()
+    made = generator()
+    written = {page.relative_to(DOCS).as_posix(): made.on_site(page.read_text()) for page in DOCS.rglob("*.md")}
+    return written | dict(made.generated())
 
 
 def without_code(text: str) -> str:
