@@ -65,11 +65,11 @@ def test_every_page_is_in_the_navigation_once() -> None:
 
 
 def test_every_file_and_folder_of_the_project_named_exists() -> None:
-    folders = "shared|services|hydrohil|bench|examples|tests|docs|\\.ci"
+    folders = "shared|services|hydrohil|bench|examples|tests|docs|\\.ci"  # a file has a suffix: keys on the wire have none
     for page in PAGES:
         if name_of(page) == "CHANGELOG.md":  # names files of their time
             continue
-        for name in re.findall(rf"`((?:{folders})/[\w./*-]*)`", page.read_text()):
+        for name in re.findall(rf"`((?:{folders})/(?:[\w./*-]*(?:/|\.\w+))?)`", page.read_text()):
             assert any(ROOT.glob(name.rstrip("/"))) or name == "examples/", f"{name_of(page)}: {name}"
 
 
