@@ -15,7 +15,8 @@ from typing import Any, NamedTuple
 import numpy as np
 import rig
 
-from hydrohil.claims.trace import Trace, load
+from hydrohil.claims.trace import Trace
+from hydrohil.claims.trace_files import read_trace
 from hydrohil.experiment.experiment import Experiment
 from hydrohil.experiment.overrides import with_overrides
 from hydrohil.simulation.rollout import rollout
@@ -65,7 +66,7 @@ def trial(place: Any, experiment: str, settings: list[str], clock: str, seed: in
             why = words.get("tripped") or words.get("gap") or ended.stderr.strip()[-200:]
             return {"clock": clock, "completed": False, "clean": False, "equal": False, "explained": True, "why": why}
         made = json.loads(report.read_text())
-        difference = first_difference(load(trace), local)
+        difference = first_difference(read_trace(trace), local)
     late_tick = made["latencies"]["first_unanswered_tick"]
     counted = {name: made["latencies"][name] for name in (*FAULTS, "grid_shifts")}
     clean = clock == "lockstep" or not any(counted[name] for name in FAULTS)

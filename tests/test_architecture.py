@@ -44,8 +44,8 @@ LAYER_OF = {package: number for number, row in enumerate(LAYERS) for package in 
 TAKE_SERVICES = {"experiment", "thesis", "simulation", "linear", "explanation"}
 SHELLS = {"main", "service"}
 SHARED_ORDER = (
-    "errors",
     "exit_status",
+    "errors",
     "units",
     "cache",
     "draws",

@@ -10,6 +10,7 @@ import dask
 from distributed import Client, LocalCluster
 
 from hydrohil.shared.errors import HydrohilError
+from hydrohil.shared.exit_status import EXIT_TRANSPORT
 
 _CONNECT_S, _WORKERS_S = 10.0, 30.0
 _QUIET = {  # switched off: what a scheduler and workers do beside the work (sampled stacks, ticks, a page)
@@ -25,6 +26,8 @@ _QUIET = {  # switched off: what a scheduler and workers do beside the work (sam
 
 class ClusterError(HydrohilError):
     """There are no workers, or they were lost; one line that says what to do."""
+
+    exit_status = EXIT_TRANSPORT
 
 
 @contextmanager

@@ -48,7 +48,7 @@ class ProcessFaults:
         self._waiting = [_ending(fault, duration_s) for fault in sorted(faults, key=lambda fault: fault.at_s)]
         self._pids = _answering(bus, self._waiting) if self._waiting else {}
         self._undo: list[tuple[float, Fault, Undo]] = []  # by the wall clock: a trial whose plant is struck stands still
-        self.told: list[str] = []
+        self.done: list[str] = []
 
     @property
     def pending(self) -> bool:
@@ -68,22 +68,22 @@ class ProcessFaults:
         """The trial is over: thaw what is frozen, end what loads the host."""
         for _, fault, undo in self._undo:
             self._end(fault, undo, "after the trial")
-        self.told += [f"{_words(fault)}: never, the trial ended before" for fault in self._waiting]
+        self.done += [f"{_words(fault)}: never, the trial ended before" for fault in self._waiting]
         self._undo, self._waiting = [], []
 
     def _begin(self, fault: Fault, trial_s: float) -> None:
         try:
             undo = strike(self._bus, fault, self._pids)
         except CellError as error:
-            self.told.append(f"{_words(fault)}: failed at {trial_s:.3f} s: {error}")
+            self.done.append(f"{_words(fault)}: failed at {trial_s:.3f} s: {error}")
             return
-        self.told.append(f"{_words(fault)}: at {trial_s:.3f} s")
+        self.done.append(f"{_words(fault)}: at {trial_s:.3f} s")
         if undo is not None:
             self._undo.append((time.monotonic() + fault.lasts_s, fault, undo))
 
     def _end(self, fault: Fault, undo: Undo, when: str) -> None:
         undo()
-        self.told.append(f"{_words(fault)}: ended {when}")
+        self.done.append(f"{_words(fault)}: ended {when}")
 
 
 def strike_now(bus: Bus, fault: Fault) -> str:

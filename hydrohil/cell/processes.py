@@ -15,10 +15,12 @@ from hydrohil.shared import cache
 from hydrohil.shared.contract.messages import Answer
 from hydrohil.shared.contract.topics import SERVICES
 from hydrohil.shared.errors import HydrohilError
+from hydrohil.shared.exit_status import EXIT_TRANSPORT, EXIT_TRIPPED, EXIT_USAGE
 from hydrohil.shared.host.child import environment, python_module
 from hydrohil.shared.host.process import draw_number
 from hydrohil.shared.transport.bus import Bus, BusError
 from hydrohil.shared.transport.endpoints import HERE, Network
+from hydrohil.shared.trips.report import Document
 
 LOOP = ("plant", "controller", "supervisor")
 _STOP_S = 3.0
@@ -27,19 +29,32 @@ _READY_S = 60.0  # the first start after a change compiles
 
 
 class CellError(HydrohilError):
-    """The cell is not what the command needs; the message says what to do."""
+    """The cell is not what was needed; the message says what to do. After a trip, `trip_report` says why and how."""
+
+    exit_status = EXIT_TRANSPORT
+
+    trip_report: Document | None = None
+    trip_file: str = ""  # where the recorder has written it
 
 
 class RefusedError(CellError):
-    """A service has answered, and refuses."""
+    """A service, or the table of faults, refuses what was asked for."""
+
+
+class NotConfirmedError(CellError):
+    """After an emergency stop the plant has not reported zero current: cut the hydraulic supply."""
 
 
 class UnqualifiedError(CellError):
     """The experiment's rate is above the one that this host is qualified for."""
 
+    exit_status = EXIT_USAGE
+
 
 class TrippedError(CellError):
     """The supervisor has tripped; nothing runs before a reset."""
+
+    exit_status = EXIT_TRIPPED
 
 
 class Place(NamedTuple):

@@ -42,11 +42,15 @@ class Live(NamedTuple):
 
     trace: Trace | None
     gap: str  # why there is no trace
-    tripped: str  # the supervisor's words, "" if it did not trip
+    tripped: str  # why the rig tripped, in words; "" if it did not
     status: dict[str, dict[str, Any]]
     warnings: tuple[str, ...]  # of the cell, when it took the experiment
-    struck: tuple[str, ...] = ()  # what was done to processes, and when
+    process_faults: tuple[str, ...] = ()  # those that were carried out, and when
     changed: tuple[str, ...] = ()  # parameters that were changed by hand, and when
+    trip_report: Document | None = None
+
+
+Progress = Callable[[float], object]  # is given the seconds of the trial
 
 
 def load(bus: Bus, experiment: Experiment, seed: int, clock: str, *, unqualified: bool = False) -> Loaded:
@@ -70,10 +74,10 @@ def load(bus: Bus, experiment: Experiment, seed: int, clock: str, *, unqualified
     return Loaded(run, tuple(map(str, answers["controller"].get("warnings") or ())))
 
 
-def _refuse_beyond_qualified(told: dict[str, Any], experiment: Experiment) -> None:
-    """Say at once what the supervisor would say when it is to arm; with its answer it tells what is on record of its host."""
+def _refuse_beyond_qualified(answer: dict[str, Any], experiment: Experiment) -> None:
+    """Refuse at once what the supervisor would refuse to arm; its answer names what is on record of its host."""
     period_ns = experiment.plant.sample_period_substeps * SUBSTEP_NS
-    if what := beyond(of_plain(told.get("qualification")).qualified, period_ns):
+    if what := beyond(of_plain(answer.get("qualification")).qualified, period_ns):
         raise UnqualifiedError(what)
 
 
@@ -123,15 +127,15 @@ class Silence:
         return [service for service in silent if self._numbers[service] < self._numbers["plant"]] or silent
 
 
-def watch(collector: Collector, experiment: Experiment, show: Callable[[float], None], poll_s: float = _WATCH_S) -> None:
-    """Until the supervisor ends or trips the trial; `show` gets the seconds of the trial. CellError on silence."""
+def watch(collector: Collector, experiment: Experiment, progress: Progress, poll_s: float = _WATCH_S) -> None:
+    """Until the supervisor ends or trips the trial; `progress` gets the seconds of the trial. CellError on silence."""
     began, silence = False, Silence()
     while True:
         time.sleep(poll_s)
         permit, sample, command = collector.permits.peek(), collector.samples.peek(), collector.commands.peek()
         silence.hear({"plant": sample, "controller": command, "supervisor": permit})
         if isinstance(sample, Received) and sample.body.tick != NO_TRIAL:
-            show(sample.body.trial_time_ns * 1e-9)
+            progress(sample.body.trial_time_ns * 1e-9)
         if isinstance(permit, Received):
             began = began or permit.body.mode == Mode.RUNNING
             if permit.body.mode == Mode.TRIPPED or (began and permit.body.mode == Mode.DISARMED):
@@ -140,77 +144,72 @@ def watch(collector: Collector, experiment: Experiment, show: Callable[[float], 
             raise CellError(f"the {' and the '.join(silent)} has fallen silent; see `hydrohil status`")
 
 
-def run_live(
-    bus: Bus,
-    experiment: Experiment,
-    seed: int,
-    clock: str,
-    show: Callable[[float], None],
-    tell: Callable[[Document], object] = lambda document: None,
-    *,
-    unqualified: bool = False,
-) -> Live:
-    """Load, arm, start, watch to the end; always disarms. `tell` gets the report of a trip, also where CellError is raised."""
+def run_live(bus: Bus, experiment: Experiment, seed: int, clock: str, progress: Progress, *, unqualified: bool = False) -> Live:
+    """Load, arm, start, watch to the end; always disarms. A CellError after a trip carries the trip's report."""
     loaded = load(bus, experiment, seed, clock, unqualified=unqualified)
     with closing(Collector(bus)) as collector:
-        return _play(bus, experiment, loaded, collector, show, tell)
+        process_faults = ProcessFaults(bus, of_group(experiment.faults, "process"), experiment.duration_s)
+        _play(bus, experiment, collector, process_faults, progress)
+        return _gather(bus, experiment, loaded, collector, tuple(process_faults.done))
 
 
-def _play(
-    bus: Bus,
-    experiment: Experiment,
-    loaded: Loaded,
-    collector: Collector,
-    show: Callable[[float], None],
-    tell: Callable[[Document], object],
-) -> Live:
-    """What is loaded, from its arming to its end."""
-    run, warnings = loaded
-    strikes = ProcessFaults(bus, of_group(experiment.faults, "process"), experiment.duration_s)
+def _play(bus: Bus, experiment: Experiment, collector: Collector, process_faults: ProcessFaults, progress: Progress) -> None:
+    """What is loaded, from its arming to its end. Raises CellError."""
 
-    def told(trial_s: float) -> None:
-        strikes.at(trial_s)
-        show(trial_s)
+    def observe(trial_s: float) -> None:
+        process_faults.at(trial_s)
+        progress(trial_s)
 
     try:
         arm(bus)
         ask(bus, "supervisor", "start")
-        watch(collector, experiment, told, _STRIKE_S if strikes.pending else _WATCH_S)
-    except KeyboardInterrupt:
-        bus.ask("supervisor", "stop", {}, 1.0)
-        raise
+        watch(collector, experiment, observe, _STRIKE_S if process_faults.pending else _WATCH_S)
     except CellError as error:
         bus.ask("supervisor", "stop", {}, 1.0)
-        _tell_trip(bus, collector, tell)
-        raise CellError("; ".join((str(error), *strikes.told))) from error
+        ended = CellError("; ".join((str(error), *process_faults.done)))
+        ended.trip_report = collector.report(bus.identity.cell)
+        raise ended from error
+    except BaseException:  # Ctrl-C, or what the caller's `progress` raises: the rig is disarmed all the same
+        bus.ask("supervisor", "stop", {}, 1.0)
+        raise
     finally:
-        strikes.end()
-    struck = tuple(strikes.told)
+        process_faults.end()
+
+
+def _gather(bus: Bus, experiment: Experiment, loaded: Loaded, collector: Collector, process_faults: tuple[str, ...]) -> Live:
+    """What the run has left: its trace, and how it ended."""
     time.sleep(_WATCH_S)  # the last answers are under way
-    found = statuses(bus)
-    changed = collector.changed(run) or remembered_changes(found)  # a message may be lost
-    ticks = duration_ticks(experiment.duration_s, experiment.plant)
-    if tripped := collector.trip(run):
+    status = statuses(bus)
+    tripped, report = collector.trip(loaded.run), None
+    changed = collector.changed(loaded.run) or remembered_changes(status)  # a message may be lost
+    if tripped:
         time.sleep(AFTER_NS / NS_PER_S)  # what comes after belongs to the report
-        _tell_trip(bus, collector, tell)
+        report = collector.report(bus.identity.cell)
+    trace, gap = _trace(collector, loaded.run, duration_ticks(experiment.duration_s, experiment.plant), tripped=bool(tripped))
+    return Live(
+        trace,
+        gap=gap,
+        tripped=tripped,
+        status=status,
+        warnings=loaded.warnings,
+        process_faults=process_faults,
+        changed=changed,
+        trip_report=report,
+    )
+
+
+def _trace(collector: Collector, run: int, ticks: int, *, tripped: bool) -> tuple[Trace | None, str]:
+    """The trace, or why there is none."""
     try:
         trace = collector.trace(run, ticks)
     except GapError as error:
-        return Live(None, str(error), tripped, found, warnings, struck, changed)
+        return None, str(error)
     if not tripped and len(trace.tick) != ticks:
-        return Live(
-            None, f"the trial ended after {len(trace.tick)} of {ticks} samples", tripped, found, warnings, struck, changed
-        )
-    return Live(trace, "", tripped, found, warnings, struck, changed)
+        return None, f"the trial ended after {len(trace.tick)} of {ticks} samples"
+    return trace, ""
 
 
-def remembered_changes(found: Mapping[str, dict[str, Any]]) -> tuple[str, ...]:
+def remembered_changes(status: Mapping[str, dict[str, Any]]) -> tuple[str, ...]:
     """What the controller's status says was changed by hand since the load, in words."""
-    told = found.get("controller", {}).get("by_hand", ())
-    return tuple(change_words(ParameterEvent(**event)) for event in told)
-
-
-def _tell_trip(bus: Bus, collector: Collector, tell: Callable[[Document], object]) -> None:
-    document = collector.report(bus.identity.cell)
-    if document is not None:
-        tell(document)
+    events = status.get("controller", {}).get("by_hand", ())
+    return tuple(change_words(ParameterEvent(**event)) for event in events)

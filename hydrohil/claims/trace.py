@@ -1,6 +1,5 @@
 """The record of one trial: a row per sample from tick 0, in SI. Metrics and claims read nothing else."""
 
-from pathlib import Path
 from typing import Any, NamedTuple
 
 import numpy as np
@@ -30,22 +29,6 @@ class Trace(NamedTuple):
     encoder_counts: Integers  # (n, 5)
     force_counts: Integers  # (n,)
     dac_counts: Integers  # (n, 3)
-
-
-def save(trace: Trace, path: Path) -> None:
-    """Write every column of `trace` to `path` (.npz)."""
-    columns: dict[str, Any] = trace._asdict()
-    with path.open("wb") as file:  # a file, because numpy appends a suffix to a bare name
-        np.savez_compressed(file, **columns)
-
-
-def load(path: Path) -> Trace:
-    """The trace in `path`. Raises ValueError if a column is missing."""
-    with np.load(path, allow_pickle=False) as columns:
-        missing = [name for name in Trace._fields if name not in columns]
-        if missing:
-            raise ValueError(f"{path} is no trace: it has no column {', '.join(missing)}")
-        return Trace(**{name: columns[name] for name in Trace._fields})
 
 
 def rows(trace: Trace, chosen: npt.NDArray[np.bool_]) -> Trace:

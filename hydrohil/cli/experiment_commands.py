@@ -22,12 +22,11 @@ from hydrohil.cli.options import (
     app,
     console,
     fail,
+    failing,
     make_folders,
-    place_of,
-    service_options,
     writing,
 )
-from hydrohil.shared.exit_status import EXIT_TRANSPORT, EXIT_TRIPPED, EXIT_USAGE
+from hydrohil.shared.exit_status import EXIT_USAGE
 from hydrohil.shared.transport.endpoints import DEFAULT_PORT
 
 _RUNS = Path("runs")
@@ -87,7 +86,7 @@ def run(
     injected: Injected = None,
     seed: Annotated[int, typer.Option(min=0, help="Of noise, jitter and faults.")] = 0,
     json_file: Annotated[Path | None, typer.Option("--json", help="Write the report.")] = None,
-    trace_file: Annotated[Path | None, typer.Option("--trace", help="Write every sample (.npz).")] = None,
+    trace_file: Annotated[Path | None, typer.Option("--trace", help="Write every sample (.npz, .csv or .parquet).")] = None,
     rrd: Annotated[Path | None, typer.Option(help="Write a Rerun recording.")] = None,
     cell: CellName = "cell",
     port: Port = DEFAULT_PORT,
@@ -104,36 +103,37 @@ def run(
     Examples: `hydrohil run fig-4-25 --clock local`, `hydrohil run fig-5-5 --rrd runs/static.rrd --seed 3`,
     `hydrohil run fig-5-5 --inject "stuck force at=1.0 for=0.5" --inject "drop supply value=0.5 at=2"`
     """
-    from hydrohil.cell import processes as cells
-    from hydrohil.cell.injection import unplayable
+    from hydrohil.cell.cell import Cell
+    from hydrohil.claims.trace_files import format_of
     from hydrohil.cli import report as reports
-    from hydrohil.cli.run import Wanted, run_experiment
+    from hydrohil.cli import run as runs
 
     if clock not in ("real", "lockstep", "local"):
         raise fail(f"--clock is {clock!r}: expected real, lockstep or local", EXIT_USAGE)
     if clock == "local" and rrd is not None:
         raise fail("--rrd needs a cell with a recorder: use --clock lockstep or real (--trace works on every clock)", EXIT_USAGE)
     make_folders(json_file, trace_file, rrd)
+    if trace_file is not None:
+        with failing():
+            format_of(trace_file)
     experiment = experiment_of(name, settings, injected)
-    if unplayed := unplayable(experiment.faults, clock):
-        raise fail("\n".join(unplayed), EXIT_USAGE)
-    place = place_of(cell, port, hosts, router)
-    wanted = Wanted(experiment, clock, seed, rrd, trace_file, service_options(permit_ttl_ms, realtime=realtime), unqualified)
-    try:
-        report = run_experiment(place, wanted, console)
-    except cells.TrippedError as error:
-        raise fail(error, EXIT_TRIPPED) from None
-    except cells.UnqualifiedError as error:
-        raise fail(error, EXIT_USAGE) from None
-    except cells.CellError as error:
-        raise fail(error, EXIT_TRANSPORT) from None
-    except KeyboardInterrupt:
-        raise fail("interrupted: valves at zero, disarmed", 130) from None
-    reports.show(console, report)
+    with failing("interrupted: valves at zero, disarmed"):
+        if clock == "local":
+            found = runs.run_local(experiment, seed, console)
+        else:
+
+            def open_cell() -> Cell:
+                return Cell.open(cell, port, hosts=hosts, router=router, lease_ms=permit_ttl_ms, realtime=realtime)
+
+            found = runs.run_live(
+                open_cell, experiment, seed, "lockstep" if clock == "lockstep" else "real", rrd, console, unqualified=unqualified
+            )
+    found = runs.kept(found, trace_file)
+    reports.show(console, found)
     if json_file is not None:
         with writing(json_file):
-            reports.write_json(json_file, report)
-    raise typer.Exit(report.exit_status)
+            json_file.write_text(json.dumps(found.report(), indent=2) + "\n")
+    raise typer.Exit(found.exit_status)
 
 
 @app.command(rich_help_panel=EXPERIMENTS)
@@ -156,14 +156,11 @@ def view(recording: Annotated[Path | None, typer.Argument(help="A .rrd file; def
 def experiment_of(name: str, settings: list[str] | None, injected: list[str] | None = None) -> Any:
     """From a file or the library, with `--set` and `--inject` applied; exit 2 with one line a problem."""
     from hydrohil.experiment.errors import ExperimentError
-    from hydrohil.experiment.experiment import from_toml
-    from hydrohil.experiment.injections import with_faults
     from hydrohil.experiment.overrides import with_overrides
-    from hydrohil.thesis.library import find
+    from hydrohil.thesis.library import load
 
     try:
-        experiment = from_toml(Path(name)) if name.endswith(".toml") or os.sep in name else find(name)
-        return with_faults(with_overrides(experiment, settings or []), injected or [])
+        return with_overrides(load(name), settings or []).with_faults(*(injected or ()), where="--inject")
     except ExperimentError as error:
         raise fail(_computed(name) or error, EXIT_USAGE) from None
 

@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING, Annotated
 
 import typer
 
-from hydrohil.cli.options import CONFIDENCE, CellName, Port, app, console, fail, make_folders, service_options, writing
+from hydrohil.cli.options import CONFIDENCE, CellName, Port, app, console, fail, make_folders, writing
 from hydrohil.cli.reproduce_command import write_whole
 from hydrohil.shared.exit_status import EXIT_USAGE
 
@@ -46,6 +46,7 @@ def faults(
     Examples: `hydrohil faults --list`, `hydrohil faults`, `hydrohil faults --quick`,
     `hydrohil faults --only 1 2 4 5 5b --trials 50`
     """
+    from hydrohil.cell.connection import service_options
     from hydrohil.cli import faults_list
     from hydrohil.faulttest.matrix import find_rows
     from hydrohil.shared.compiled.kernel import source_version

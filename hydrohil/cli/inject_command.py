@@ -1,18 +1,14 @@
 """`hydrohil inject`: break something in a cell that runs, and mend it again."""
 
 import json
-from typing import TYPE_CHECKING, Annotated
+from typing import Annotated
 
 import typer
 
-from hydrohil.cli.cell_commands import await_links
-from hydrohil.cli.options import RUNNING_CELL, AsJson, CellName, Hosts, Port, Router, app, console, fail, place_of
+from hydrohil.cli.options import RUNNING_CELL, AsJson, CellName, Hosts, Port, Router, app, attached, console, fail
 from hydrohil.shared.contract.faults import ROWS, Fault, value_missing
-from hydrohil.shared.exit_status import EXIT_TRANSPORT, EXIT_USAGE
+from hydrohil.shared.exit_status import EXIT_USAGE
 from hydrohil.shared.transport.endpoints import DEFAULT_PORT
-
-if TYPE_CHECKING:
-    from hydrohil.cell.processes import Place
 
 _USAGE = "expected KIND TARGET, such as `hydrohil inject stuck force --for 2`; `hydrohil inject --list` shows what there is"
 
@@ -40,6 +36,8 @@ def inject(
     Examples: `hydrohil inject stuck force --for 2`, `hydrohil inject offset encoder_rotate --value 40 --after 1`,
     `hydrohil inject drop supply --value 0.5`, `hydrohil inject --clear`
     """
+    from hydrohil.cell import injection
+
     if sum((show, clear, kind is not None)) != 1 or (kind is None) != (target is None):
         raise fail(_USAGE, EXIT_USAGE)
     if show:
@@ -47,32 +45,16 @@ def inject(
     fault = None if kind is None or target is None else Fault(kind, target, after_s, lasts_s, value or 0.0)
     if fault is not None and value is None and (what := value_missing(fault)):
         raise fail(f"{what}: give --value", EXIT_USAGE)
-    done = _ask(fault, place_of(cell, port, hosts, router))
+    with attached(cell, port, hosts, router, refused=EXIT_USAGE) as found:
+        if fault is None:
+            found.clear()
+            done = "cleared: nothing injected acts any more"
+        else:
+            done = f"{injection.words(fault._asdict())}: {found.inject(fault)}"
     if as_json:
         print(json.dumps({"fault": None if fault is None else fault._asdict(), "done": done}))
     else:
         console.print(done, highlight=False)
-
-
-def _ask(fault: Fault | None, place: "Place") -> str:
-    """Inject `fault`, or clear all; what was done, in words. Exit 2 where it is refused."""
-    from hydrohil.cell import injection
-    from hydrohil.cell import processes as cells
-
-    what = "" if fault is None else injection.refused(fault)
-    if what:
-        raise fail(what, EXIT_USAGE)
-    try:
-        with cells.operator_bus(place) as bus:
-            await_links(bus)
-            if fault is None:
-                injection.clear(bus)
-                return "cleared: nothing injected acts any more"
-            return f"{injection.words(fault._asdict())}: {injection.inject(bus, fault)}"
-    except cells.RefusedError as error:
-        raise fail(error, EXIT_USAGE) from None
-    except cells.CellError as error:
-        raise fail(error, EXIT_TRANSPORT) from None
 
 
 def _list(as_json: bool) -> None:

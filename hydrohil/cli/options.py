@@ -10,10 +10,12 @@ from typing import TYPE_CHECKING, Annotated
 import typer
 from rich.console import Console
 
-from hydrohil.shared.exit_status import EXIT_USAGE
+from hydrohil.shared.errors import HydrohilError
+from hydrohil.shared.exit_status import EXIT_INTERRUPTED, EXIT_USAGE
 from hydrohil.shared.transport.endpoints import network
 
 if TYPE_CHECKING:
+    from hydrohil.cell.cell import Cell
     from hydrohil.cell.processes import Place
 
 app = typer.Typer(
@@ -91,8 +93,28 @@ def writing(path: Path) -> Iterator[None]:
         raise fail(f"{path}: cannot be written ({error.strerror or error}): make room or name another", EXIT_USAGE) from None
 
 
-def service_options(permit_ttl_ms: float | None, *, realtime: bool) -> dict[str, list[str]]:
-    """Options of each service that `up` and `run` start."""
-    common = [] if realtime else ["--no-realtime"]
-    lease = [] if permit_ttl_ms is None else ["--permit-ttl-ms", str(permit_ttl_ms)]
-    return {"plant": common + lease, "controller": common, "supervisor": common}
+@contextmanager
+def failing(
+    interrupted: str = "interrupted", *, interrupted_status: int = EXIT_INTERRUPTED, refused: int | None = None
+) -> Iterator[None]:
+    """An error of the library is one line and an exit status; `refused` is that of what a service refuses, where it differs."""
+    try:
+        yield
+    except HydrohilError as error:
+        from hydrohil.cell.processes import RefusedError
+
+        status = error.exit_status if refused is None or not isinstance(error, RefusedError) else refused
+        raise fail(error, status) from None
+    except KeyboardInterrupt:
+        raise fail(interrupted, interrupted_status) from None
+
+
+@contextmanager
+def attached(
+    cell: str, port: int, hosts: str = "", router: str = "", *, interrupted: str = "interrupted", refused: int | None = None
+) -> Iterator["Cell"]:
+    """A cell that is up; where it refuses or does not answer, one line and an exit status."""
+    from hydrohil.cell.cell import Cell
+
+    with failing(interrupted, refused=refused), Cell.attach(cell, port, hosts=hosts, router=router) as found:
+        yield found

@@ -1,9 +1,8 @@
 """`hydrohil reproduce`: every figure and every claim again, as a page, a JUnit file and an exit status."""
 
+import math
 import os
-import time
 from contextlib import ExitStack
-from datetime import datetime
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated, Any
 
@@ -19,18 +18,17 @@ from hydrohil.cli.options import (
     app,
     console,
     fail,
+    failing,
     make_folders,
-    place_of,
-    service_options,
     writing,
 )
-from hydrohil.shared.exit_status import EXIT_TRANSPORT, EXIT_TRIPPED, EXIT_USAGE
+from hydrohil.shared.exit_status import EXIT_USAGE
 from hydrohil.shared.transport.endpoints import DEFAULT_PORT
 
 if TYPE_CHECKING:  # the page's libraries load when it is made
-    from hydrohil.cell.processes import Place
-    from hydrohil.reproduction.jobs import Done, Job
+    from hydrohil.cell.cell import Cell
     from hydrohil.reproduction.plan import Figure
+    from hydrohil.reproduction.report import Report
 
 PAGE, JUNIT = "reproduction.html", "junit.xml"
 
@@ -58,123 +56,69 @@ def reproduce(
 
     Examples: `hydrohil reproduce`, `hydrohil reproduce --only 5 7 --seeds 20`, `hydrohil reproduce fig-4-25 --clock real`
     """
-    from hydrohil.cell import processes as cells
-    from hydrohil.experiment.errors import ExperimentError
     from hydrohil.reproduction import plan
-    from hydrohil.reproduction.pool import LostWorkerError
 
     wanted = [*(only or []), *(figures or [])]
-    try:
+    with failing():
         chosen = plan.choose(wanted)
-    except ExperimentError as error:
-        raise fail(error, EXIT_USAGE) from None
     _usable(clock, wanted, chosen, seeds)
     make_folders(out / PAGE, out / JUNIT, json_file)
-    began, groups = time.perf_counter(), plan.groups(chosen)
-    try:
-        if clock == "local":
-            done = _local(groups, seeds, workers or len(os.sched_getaffinity(0)))
-        else:
-            options = service_options(permit_ttl_ms, realtime=realtime)
-            done = _live(place_of(cell, port, hosts, router), options, groups, seeds, clock, unqualified=unqualified)
-    except cells.TrippedError as error:
-        raise fail(error, EXIT_TRIPPED) from None
-    except cells.UnqualifiedError as error:
-        raise fail(error, EXIT_USAGE) from None
-    except (cells.CellError, LostWorkerError) as error:
-        raise fail(error, EXIT_TRANSPORT) from None
-    except KeyboardInterrupt:
-        raise fail("interrupted: nothing was written", 130) from None
-    command = " ".join(["hydrohil reproduce", *wanted, f"--seeds {seeds} --clock {clock}"])
-    _finish(chosen, done, clock, seeds, time.perf_counter() - began, command, out, json_file)
+    with failing("interrupted: nothing was written"), ExitStack() as stack:
+        found = None
+        if clock != "local":
+            found = stack.enter_context(_opened(cell, port, hosts, router, permit_ttl_ms, realtime=realtime))
+        report = _with_bar(wanted, seeds, clock, workers, found, unqualified=unqualified)
+    _finish(report, out, json_file)
 
 
 def _usable(clock: str, wanted: list[str], chosen: "tuple[Figure, ...]", seeds: int) -> None:
     """Refuse a clock that does not exist, and a live clock for everything; say how long a live one takes."""
     from hydrohil.reproduction.formatting import duration
-    from hydrohil.reproduction.play import simulated_s
+    from hydrohil.reproduction.reproduce import CLOCKS, live_s
 
-    if clock not in ("local", "lockstep", "real"):
+    if clock not in CLOCKS:
         raise fail(f"--clock is {clock!r}: expected local, lockstep or real", EXIT_USAGE)
     if clock == "local":
         return
-    from hydrohil.thesis.library import find
-
-    trials = {name for figure in chosen for name in figure.trials}
-    takes = duration(seeds * simulated_s([find(name) for name in sorted(trials)]))
+    trials, takes = {name for figure in chosen for name in figure.trials}, duration(live_s(chosen, seeds))
     if not wanted:
         raise fail(f"--clock {clock}: {len(trials)} trials take {takes} at real speed: choose some with --only", EXIT_USAGE)
     console.print(f"clock {clock}: {takes} at real speed; trials: {len(trials)}, seeds: {seeds}", highlight=False)
 
 
-def _local(groups: Any, seeds: int, workers: int) -> "list[Done]":
-    """On the local clock, with a bar that knows how long each job takes."""
+def _opened(cell: str, port: int, hosts: str, router: str, lease_ms: float | None, *, realtime: bool) -> "Cell":
+    from hydrohil.cell.cell import Cell
+    from hydrohil.cli.run import WAITING
+
+    with console.status(WAITING):
+        return Cell.open(cell, port, hosts=hosts, router=router, lease_ms=lease_ms, realtime=realtime, recorder=False)
+
+
+def _with_bar(
+    wanted: list[str], seeds: int, clock: str, workers: int | None, cell: "Cell | None", *, unqualified: bool
+) -> "Report":
+    """The figures again, with a bar that knows how long each takes."""
     from rich.progress import BarColumn, Progress, TextColumn, TimeRemainingColumn
 
-    from hydrohil.reproduction.jobs import jobs
-    from hydrohil.reproduction.pool import pool
+    from hydrohil.reproduction.reproduce import ReproductionProgress, reproduce
 
-    todo: tuple[Job, ...] = jobs(groups, seeds)
     columns = (TextColumn("{task.description}"), BarColumn(), TextColumn("{task.percentage:.0f} %"), TimeRemainingColumn())
-    done = []
     with Progress(*columns, console=console) as progress:
-        task = progress.add_task("starting; compiles once after a change", total=None)
-        with pool(min(workers, len(todo))) as ready:
-            progress.update(task, total=sum(job.cost_s for job in todo), description=f"{len(todo)} jobs")
-            for made in ready.run(todo):
-                done.append(made)
-                progress.update(task, advance=made.job.cost_s, description=made.job.group.figures[0])
-        progress.update(task, description="done")
-    return done
+        task = progress.add_task("", total=None)
+
+        def show(now: ReproductionProgress) -> None:
+            total_s = None if math.isnan(now.total_s) else now.total_s
+            progress.update(task, description=now.doing, completed=now.done_s, total=total_s)
+
+        return reproduce(wanted, seeds=seeds, clock=clock, workers=workers, cell=cell, unqualified=unqualified, progress=show)
 
 
-def _live(
-    place: "Place", options: dict[str, list[str]], groups: Any, seeds: int, clock: str, *, unqualified: bool
-) -> "list[Done]":
-    """In a cell, with a bar that knows how long each trial takes."""
-    from rich.progress import BarColumn, Progress, TextColumn, TimeRemainingColumn
-
-    from hydrohil.cell.connection import found_or_own_cell
-    from hydrohil.cell.processes import LOOP
-    from hydrohil.reproduction.live import reproduce_live
-    from hydrohil.reproduction.play import simulated_s
-    from hydrohil.thesis.library import find
-
-    columns = (TextColumn("{task.description}"), BarColumn(), TimeRemainingColumn())
-    with ExitStack() as stack:
-        with console.status("waiting for the cell: it measures this host for two seconds"):
-            bus = stack.enter_context(found_or_own_cell(place, options, LOOP))
-        progress = stack.enter_context(Progress(*columns, console=console))
-        total_s = seeds * sum(simulated_s([find(name)]) for group in groups for name in group.trials)
-        task, before_s = progress.add_task("", total=total_s), 0.0
-
-        def show(name: str, seed: int) -> None:
-            nonlocal before_s
-            progress.update(task, description=f"{name}, seed {seed}", advance=before_s)
-            before_s = simulated_s([find(name)])
-
-        return reproduce_live(bus, groups, seeds, clock, show, unqualified=unqualified)
-
-
-def _finish(
-    chosen: "tuple[Figure, ...]",
-    done: "list[Done]",
-    clock: str,
-    seeds: int,
-    duration_s: float,
-    command: str,
-    out: Path,
-    json_file: Path | None,
-) -> None:
+def _finish(report: "Report", out: Path, json_file: Path | None) -> None:
     """Write the files, say what they say, and end with the status."""
     from hydrohil.reproduction.junit import junit
     from hydrohil.reproduction.page import page
-    from hydrohil.reproduction.report import Report, gathered, machine, times_real_time, to_json
-    from hydrohil.shared.compiled.kernel import source_version
+    from hydrohil.reproduction.report import to_json
 
-    made = datetime.now().astimezone().isoformat(" ", "seconds")
-    speed = times_real_time(done)
-    report = Report(gathered(chosen, done), clock, seeds, source_version(), made, duration_s, machine(), command, speed)
     texts = {out / PAGE: page(report), out / JUNIT: junit(report)}
     if json_file is not None:
         texts[json_file] = to_json(report)

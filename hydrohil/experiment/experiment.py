@@ -3,7 +3,7 @@
 import hashlib
 import json
 import tomllib
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Iterable, Mapping, Sequence
 from pathlib import Path
 from typing import Annotated, Any, NamedTuple
 
@@ -13,6 +13,7 @@ from pydantic import ConfigDict, StringConstraints, TypeAdapter, ValidationError
 
 from hydrohil.claims.claims import Claim, problems
 from hydrohil.experiment.errors import ExperimentError, from_validation, unreadable
+from hydrohil.experiment.fault_lines import fault_of
 from hydrohil.services.controller.checks import check
 from hydrohil.services.controller.config import Changes, ControllerConfig, Reference
 from hydrohil.services.controller.contact_environment import ContactEnvironment, contact_environment
@@ -21,7 +22,7 @@ from hydrohil.services.controller.preflight import preflight
 from hydrohil.services.plant.config import PlantConfig, latch_substeps, trial_ticks
 from hydrohil.services.plant.params import contact_params
 from hydrohil.services.supervisor.config import SupervisorConfig
-from hydrohil.shared.contract.assignments import plain_of
+from hydrohil.shared.contract.assignments import plain_of, put
 from hydrohil.shared.contract.faults import Fault, trial_problems
 from hydrohil.shared.units import SUBSTEP_NS
 
@@ -30,7 +31,11 @@ MAX_DURATION_S = 3600.0
 
 
 class Experiment(NamedTuple):
-    """What a trial is: each section is validated by the types of the service that reads it."""
+    """What a trial is: each section is validated by the types of the service that reads it.
+
+    An experiment is never changed: `with_values`, `with_faults` and `_replace` give another one. Whoever writes one in Python
+    has it validated by `simulate`, by a cell, or by `validate`.
+    """
 
     name: Name
     alias: Name
@@ -44,6 +49,27 @@ class Experiment(NamedTuple):
     faults: tuple[Fault, ...] = ()  # what breaks on purpose, and when
     changes: Changes = ()  # of the controller's parameters while the trial runs
     claims: tuple[Claim, ...] = ()
+
+    def with_values(self, values: Mapping[str, Any], *, where: str = "with_values") -> "Experiment":
+        """Another experiment with these values, by dotted path: `{"controller.law": "pi", "plant.machine.supply_pa": 9e6}`.
+
+        Paths, units and bounds are those of `hydrohil run --set`; an element of a list is named by its index or, in a list of
+        three, by its link. Raises ExperimentError, a line for each path or value that cannot be; `where` names the origin in it.
+        """
+        return assigned(self, values.items(), where)
+
+    def with_faults(self, *faults: Fault | str, where: str = "with_faults") -> "Experiment":
+        """Another experiment with these faults after its own: each a `Fault`, or a line as `hydrohil run --inject` takes it.
+
+        A line is `KIND TARGET [value=V] [at=SECONDS] [for=SECONDS]`, such as `stuck force at=1.0 for=0.5`; times are those of
+        the trial. Raises ExperimentError; `where` names the origin in it.
+        """
+        added = tuple(fault_of(fault, where) if isinstance(fault, str) else fault for fault in faults)
+        return from_plain(to_plain(self._replace(faults=self.faults + added)), where) if added else self
+
+    def to_toml(self) -> str:
+        """The experiment as TOML with every default spelled out; `load` reads it back."""
+        return to_toml(self)
 
 
 to_plain = plain_of
@@ -61,6 +87,35 @@ def from_plain(plain: Any, where: str) -> Experiment:
     except ValidationError as refused:
         raise from_validation(where, refused.errors(), Experiment) from None
     return checked(experiment, where, plain.get("faults", ()) if isinstance(plain, dict) else None)
+
+
+def assigned(experiment: Experiment, values: Iterable[tuple[str, Any]], where: str) -> Experiment:
+    """`experiment` with each value put at its dotted path, in order, validated as if it had been written so.
+
+    Raises ExperimentError; `where` names the origin.
+    """
+    plain, found = to_plain(experiment), []
+    for path, value in values:
+        try:
+            put(plain, path, _unboxed(value))
+        except ValueError as refused:
+            found.append(f"{where} {path}: {refused}")
+    if found:
+        raise ExperimentError(found)
+    return from_plain(plain, where)
+
+
+def _unboxed(value: Any) -> Any:
+    """Plain data of a value; a numpy number or array as Python's own."""
+    return to_plain(value.tolist() if hasattr(value, "tolist") else value)
+
+
+def validate(experiment: Experiment) -> Experiment:
+    """The same experiment, if it can run: bounds of each value, and sections that fit together.
+
+    Raises ExperimentError with one line a problem: where, value, unit, what was expected, what to do.
+    """
+    return from_plain(to_plain(experiment), experiment.name if isinstance(experiment.name, str) else "experiment")
 
 
 def checked(experiment: Experiment, where: str, written_faults: Sequence[Any] | None = None) -> Experiment:

@@ -10,6 +10,7 @@ from typing import ParamSpec, TypeVar
 
 from hydrohil.reproduction.jobs import Done, Job, imported, warm, work
 from hydrohil.shared.errors import HydrohilError
+from hydrohil.shared.exit_status import EXIT_TRANSPORT
 
 Arguments = ParamSpec("Arguments")
 Answer = TypeVar("Answer")
@@ -17,6 +18,8 @@ Answer = TypeVar("Answer")
 
 class LostWorkerError(HydrohilError):
     """A process of the pool has ended by itself: out of memory, or killed."""
+
+    exit_status = EXIT_TRANSPORT
 
 
 @contextmanager

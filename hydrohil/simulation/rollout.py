@@ -6,6 +6,7 @@ from typing import Any, NamedTuple
 import numpy as np
 
 from hydrohil.claims.trace import Trace
+from hydrohil.experiment.errors import ExperimentError
 from hydrohil.experiment.experiment import Experiment
 from hydrohil.services.controller.config import controller_params, segment_table
 from hydrohil.services.controller.parameter_change import handed_over
@@ -49,10 +50,10 @@ def duration_ticks(duration_s: float, plant: PlantConfig) -> int:
 
 
 def fault_table(experiment: Experiment, seed: int) -> Any:
-    """What breaks, a row each, (n, 6). Raises ValueError with one line for what cannot be broken on the local clock."""
+    """What breaks, a row each, (n, 6). Raises ExperimentError with one line for what cannot be broken on the local clock."""
     for fault in experiment.faults:
         if what := problem(fault, "local"):
-            raise ValueError(what)
+            raise ExperimentError([what])
     period_ns = experiment.plant.sample_period_substeps * SUBSTEP_NS
     rows = [fault_row(fault, seed, period_ns) for fault in experiment.faults]
     return np.array(rows, dtype=np.float64).reshape(-1, COLUMNS)

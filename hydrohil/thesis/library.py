@@ -1,10 +1,12 @@
 """Every experiment that ships, by name and by alias."""
 
+import os
 from functools import cache
+from pathlib import Path
 
 from hydrohil.claims.pairs import PairClaim
 from hydrohil.experiment.errors import ExperimentError
-from hydrohil.experiment.experiment import Experiment
+from hydrohil.experiment.experiment import Experiment, from_toml
 from hydrohil.shared.contract.assignments import nearest
 from hydrohil.thesis import appendix, beyond_impedance, beyond_position, beyond_stiffness, chapter4, chapter5, chapter6, chapter7
 
@@ -40,3 +42,13 @@ def find(name_or_alias: str) -> Experiment:
         hint = nearest(name_or_alias, known, "those that `hydrohil list` shows")
         raise ExperimentError([f"{name_or_alias} is no experiment: use one of {hint}"])
     return known[name_or_alias]
+
+
+def load(name: str | Path) -> Experiment:
+    """An experiment that ships, by name (`fig-5-5`) or alias, or one of a TOML file: a path, or text that ends in `.toml`.
+
+    Raises ExperimentError: with the nearest names where nothing is called so, with one line a problem where the file is no
+    experiment. `catalogue` lists what ships.
+    """
+    is_file = isinstance(name, Path) or name.endswith(".toml") or os.sep in name
+    return from_toml(Path(name)) if is_file else find(str(name))

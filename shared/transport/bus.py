@@ -26,6 +26,7 @@ from hydrohil.shared.contract.codec import WIRE_VERSION, Header, Received, decod
 from hydrohil.shared.contract.messages import NO_COMMAND, Answer, Ask
 from hydrohil.shared.contract.topics import ANSWER, ASK, BY_KEY, Topic, expression
 from hydrohil.shared.errors import HydrohilError
+from hydrohil.shared.exit_status import EXIT_TRANSPORT
 from hydrohil.shared.transport.endpoints import HERE, LISTENERS, Network, address, configuration, listener, router_configuration
 from hydrohil.shared.transport.impairment_queue import Conditions, idle
 from hydrohil.shared.transport.inbox import RING, Inbox
@@ -39,6 +40,8 @@ _THERE = "a {service} of cell {cell!r} is at this router already; stop it (`hydr
 
 class BusError(HydrohilError):
     """The transport cannot be had; the message says what to do."""
+
+    exit_status = EXIT_TRANSPORT
 
 
 class Identity(NamedTuple):

@@ -10,6 +10,8 @@ import json
 import re
 from typing import Any, NamedTuple
 
+from hydrohil.shared.errors import AddressError
+
 LISTENERS = ("plant", "controller", "supervisor", "recorder")  # offset from the cell's first port
 DEFAULT_PORT = 7450  # a cell's first
 LOOPBACK = "127.0.0.1"
@@ -44,13 +46,15 @@ HERE = Network()  # a mesh on this host
 
 
 def network(hosts: str = "", router: str = "") -> Network:
-    """From the texts of `--hosts` and `--router`; raises ValueError with one line."""
+    """From the texts of `--hosts` and `--router`; raises AddressError with one line."""
     if hosts and router:
-        raise ValueError("--hosts and --router exclude each other: with a router every service connects to it alone")
+        raise AddressError("--hosts and --router exclude each other: with a router every service connects to it alone")
     if router:
         host, _ = address(router, "--router")
         if _unspecified(host):
-            raise ValueError(f"--router is {router!r}: expected the address at which the router is reached, not the one for all")
+            raise AddressError(
+                f"--router is {router!r}: expected the address at which the router is reached, not the one for all"
+            )
     return Network(_hosts(hosts), router)
 
 
@@ -59,20 +63,20 @@ def _hosts(text: str) -> tuple[tuple[str, str], ...]:
     for entry in text.split(",") if text else ():
         service, _, host = entry.strip().partition("=")
         if service not in LISTENERS:
-            raise ValueError(f"--hosts has {entry!r}: expected SERVICE=ADDRESS, SERVICE one of {', '.join(LISTENERS)}")
+            raise AddressError(f"--hosts has {entry!r}: expected SERVICE=ADDRESS, SERVICE one of {', '.join(LISTENERS)}")
         if service in found:
-            raise ValueError(f"--hosts names the {service} twice: expected one address a service")
+            raise AddressError(f"--hosts names the {service} twice: expected one address a service")
         if not _is_host(host) or _unspecified(host):
-            raise ValueError(f"--hosts has {entry!r}: expected an IPv4 address or a name of the host the {service} runs on")
+            raise AddressError(f"--hosts has {entry!r}: expected an IPv4 address or a name of the host the {service} runs on")
         found[service] = host
     return tuple(found.items())
 
 
 def address(endpoint: str, option: str) -> tuple[str, int]:
-    """Host and port of an endpoint; raises ValueError with one line that names the option."""
+    """Host and port of an endpoint; raises AddressError with one line that names the option."""
     found = _ENDPOINT.fullmatch(endpoint)
     if found is None or not _is_host(found[1]) or not 0 < int(found[2]) <= _MAX_PORT:
-        raise ValueError(f"{option} is {endpoint!r}: expected tcp/ADDRESS:PORT, such as {ROUTER}")
+        raise AddressError(f"{option} is {endpoint!r}: expected tcp/ADDRESS:PORT, such as {ROUTER}")
     return found[1], int(found[2])
 
 

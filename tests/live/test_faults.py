@@ -8,7 +8,8 @@ import numpy as np
 import pytest
 from rerun.chunk import RrdReader
 
-from hydrohil.claims.trace import Trace, load
+from hydrohil.claims.trace import Trace
+from hydrohil.claims.trace_files import read_trace
 from hydrohil.shared.contract.codec import Received
 from hydrohil.shared.contract.converters import MIN_FORCE_COUNTS
 from hydrohil.shared.contract.messages import FaultEvent
@@ -53,7 +54,7 @@ def trace(cell: Cell, folder: Path, clock: str, faults: tuple[str, ...], status:
     file = folder / f"{clock}.npz"
     run = cell.run("run", swing(folder), "--clock", clock, "--seed", "7", "--trace", str(file), *options(faults), *more)
     assert run.returncode == status, run.stdout + run.stderr
-    return load(file)
+    return read_trace(file)
 
 
 def assert_same_bits(there: Trace, here: Trace) -> None:

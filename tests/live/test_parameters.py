@@ -8,7 +8,8 @@ import numpy as np
 import pytest
 from rerun.chunk import RrdReader
 
-from hydrohil.claims.trace import Trace, load
+from hydrohil.claims.trace import Trace
+from hydrohil.claims.trace_files import read_trace
 from hydrohil.experiment.experiment import to_toml
 from hydrohil.services.controller.config import ScheduledChange
 from tests.support.live_cell import Cell, end, experiment, hydrohil, own_place, until
@@ -85,7 +86,7 @@ def test_scheduled_changes_act_at_the_same_tick_in_lockstep_and_on_the_local_clo
         trace = tmp_path / f"{clock}.npz"
         run = cell.run("run", str(file), "--clock", clock, "--seed", "7", "--trace", str(trace))
         assert run.returncode == 0, run.stdout + run.stderr
-        traces.append(load(trace))
+        traces.append(read_trace(trace))
     for field in set(Trace._fields) - WALL_CLOCK:
         there, here = (getattr(trace, field) for trace in traces)
         assert there.dtype == here.dtype and np.array_equal(there.view(np.int64), here.view(np.int64)), field

@@ -12,7 +12,8 @@ import pytest
 from rerun.chunk import RrdReader
 
 from hydrohil.cell import processes as cells
-from hydrohil.claims.trace import Trace, load
+from hydrohil.claims.trace import Trace
+from hydrohil.claims.trace_files import read_trace
 from hydrohil.shared.contract.codec import MAX_FRAME_BYTES, WIRE_VERSION, Header, encode
 from hydrohil.shared.contract.messages import NO_COMMAND, Command
 from hydrohil.shared.contract.topics import expression
@@ -44,7 +45,7 @@ def test_a_real_run_ends_with_its_verdict_report_trace_and_recording(cell: Cell,
     told = json.loads(report.read_text())
     assert (told["clock"], told["exit_status"], told["tripped"], told["gap"]) == ("real", 0, None, None)
     assert [claim["holds"] for claim in told["claims"]] == [True]
-    seen = load(trace)
+    seen = read_trace(trace)
     assert list(seen.tick) == list(range(round(1.5 / 4.5e-3)))
     assert {len(column) for column in seen} == {len(seen.tick)}
     assert readable(rrd)
@@ -56,7 +57,7 @@ def test_lockstep_equals_local_bit_for_bit(cell: Cell, tmp_path: Path):
         file = tmp_path / f"{clock}.npz"
         run = cell.run("run", swing(tmp_path, 4.0), "--clock", clock, "--seed", "7", "--trace", str(file))
         assert run.returncode == 0, run.stdout + run.stderr
-        traces.append(load(file))
+        traces.append(read_trace(file))
     for field in set(Trace._fields) - WALL_CLOCK:
         there, here = (getattr(trace, field) for trace in traces)
         assert there.dtype == here.dtype and np.array_equal(there.view(np.int64), here.view(np.int64)), field

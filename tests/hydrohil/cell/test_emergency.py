@@ -5,7 +5,7 @@ import json
 import pytest
 
 from hydrohil.cell.emergency import outcome
-from hydrohil.cli.cell_commands import _words
+from hydrohil.cli.status_table import plant_state
 from hydrohil.shared.contract.messages import Answer
 
 ZERO, STUCK = [2048, 2048, 2048], [2048, 2700, 2048]
@@ -45,6 +45,6 @@ def test_where_nothing_can_be_read_back_the_operator_is_told_so(values):
 @pytest.mark.parametrize(("driven", "told"), [(None, False), (ZERO, False), (STUCK, True)])
 def test_a_status_tells_what_a_stuck_converter_drives(driven, told):
     found = {"number": 7, "gate": 0, "gate_cause": "ESTOP", "lease_ms": 20.0, "dac_counts": ZERO, "dac_readback": driven}
-    words = _words("plant", found)
+    words = plant_state(found)
     assert "shut: ESTOP" in words
     assert ("2048, 2700, 2048" in words) == told

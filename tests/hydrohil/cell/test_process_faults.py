@@ -98,7 +98,7 @@ def test_a_trial_freezes_at_its_time_and_thaws_at_its_end(bus, process):
     assert until_state(process, "T") == "T"
     made.end()
     assert until_state(process, "SR") in "SR" and not made.pending
-    assert made.told == ["freeze controller: at 0.501 s", "freeze controller: ended after the trial"]
+    assert made.done == ["freeze controller: at 0.501 s", "freeze controller: ended after the trial"]
 
 
 def test_a_freeze_ends_by_the_wall_clock_while_the_trial_stands_still(bus, process):
@@ -112,7 +112,7 @@ def test_a_freeze_ends_by_the_wall_clock_while_the_trial_stands_still(bus, proce
 def test_what_never_came_to_pass_is_said(bus):
     made = ProcessFaults(bus, (Fault("kill", "controller", at_s=9.0),), 10.0)
     made.end()
-    assert made.told == ["kill controller: never, the trial ended before"]
+    assert made.done == ["kill controller: never, the trial ended before"]
 
 
 def test_a_hog_runs_as_long_as_it_is_asked_to(bus):

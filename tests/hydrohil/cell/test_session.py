@@ -64,9 +64,9 @@ def test_on_purpose_or_in_lockstep_it_is_loaded_and_the_supervisor_is_told_which
 
 
 def test_the_command_line_ends_with_2_and_one_line(monkeypatch):
-    def refuse(*_):
+    def refuse(*_, **__):
         raise UnqualifiedError("too fast")
 
-    monkeypatch.setattr(run, "run_experiment", refuse)
+    monkeypatch.setattr(run, "run_live", refuse)
     made = CliRunner().invoke(app, ["run", "fig-4-25"])
     assert (made.exit_code, made.stderr.strip()) == (2, "too fast")

@@ -1,7 +1,6 @@
 import numpy as np
-import pytest
 
-from hydrohil.claims.trace import Trace, load, rows, save, window
+from hydrohil.claims.trace import Trace, rows, window
 
 PERIOD_S = 4.5e-3
 
@@ -31,22 +30,6 @@ def link(values: np.ndarray, number: int) -> np.ndarray:
     table = np.zeros((len(values), 3))
     table[:, number - 1] = values
     return table
-
-
-def test_a_saved_trace_is_read_back_bit_for_bit(tmp_path):
-    trace = standing(1.0)._replace(force_n=np.random.default_rng(1).normal(size=len(standing(1.0).t_s)))
-    save(trace, tmp_path / "trial")
-    again = load(tmp_path / "trial")
-    for name, column, other in zip(Trace._fields, trace, again, strict=True):
-        assert np.array_equal(column, other) and column.dtype == other.dtype, name
-
-
-def test_a_file_without_a_column_is_refused_by_name(tmp_path):
-    columns = standing(0.1)._asdict()
-    del columns["force_n"]
-    np.savez(tmp_path / "trial.npz", **columns)
-    with pytest.raises(ValueError, match="no column force_n"):
-        load(tmp_path / "trial.npz")
 
 
 def test_a_window_includes_both_ends_and_nothing_beyond():

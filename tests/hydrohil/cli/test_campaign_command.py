@@ -119,10 +119,10 @@ def test_a_trial_is_shown_with_a_command_that_runs_it(file: Path, whole: SimpleN
     words = shlex.split(shown.splitlines()[-1])
     alone = CliRunner().invoke(app, [*words[1:], "--trace", str(tmp_path / "t.npz")])
     assert alone.exit_code == 0, alone.output
-    from hydrohil.claims.trace import load
+    from hydrohil.claims.trace_files import read_trace
 
     row = pq.read_table(whole.out / "tiny.parquet").slice(299).to_pylist()[0]
-    assert load(tmp_path / "t.npz").force_n.max() == row["peak_n"]
+    assert read_trace(tmp_path / "t.npz").force_n.max() == row["peak_n"]
 
 
 def test_a_dry_run_says_what_would_run_and_writes_nothing(file: Path, tmp_path: Path):

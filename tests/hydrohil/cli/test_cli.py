@@ -9,7 +9,8 @@ import numpy as np
 import pytest
 from typer.testing import CliRunner, Result
 
-from hydrohil.claims.trace import Trace, load
+from hydrohil.claims.trace import Trace
+from hydrohil.claims.trace_files import read_trace
 from hydrohil.cli.main import app
 from hydrohil.experiment.experiment import from_toml, warnings
 from hydrohil.reproduction.studies import STUDIES
@@ -89,7 +90,7 @@ def test_the_report_holds_every_claim_with_its_number(tmp_path: Path):
 def test_the_trace_holds_every_column_of_every_sample(tmp_path: Path):
     file = tmp_path / "t.npz"
     hydrohil("run", EXPERIMENT, *LOCAL, "--trace", str(file))
-    trace = load(file)
+    trace = read_trace(file)
     ticks = round(find(EXPERIMENT).duration_s / 4.5e-3)
     assert list(trace.tick) == list(range(ticks))
     assert all(len(getattr(trace, field)) == ticks for field in Trace._fields)
@@ -99,9 +100,9 @@ def test_the_trace_holds_every_column_of_every_sample(tmp_path: Path):
 
 def test_the_seed_changes_the_run_and_repeats_it(tmp_path: Path):
     counts = []
-    for name, seed in (("a", "1"), ("b", "1"), ("c", "2")):
+    for name, seed in (("a.npz", "1"), ("b.csv", "1"), ("c.npz", "2")):
         hydrohil("run", EXPERIMENT, *LOCAL, "--seed", seed, "--trace", str(tmp_path / name))
-        counts.append(load(tmp_path / name).force_counts)
+        counts.append(read_trace(tmp_path / name).force_counts)
     assert np.array_equal(counts[0], counts[1])
     assert not np.array_equal(counts[0], counts[2])
 
@@ -121,6 +122,7 @@ def test_the_seed_changes_the_run_and_repeats_it(tmp_path: Path):
         (("run", "fig-5-2", "--set", "reference.0.amount=2000.0"), ("2000 N on 500 N/m", "down/up (high, 0.471 rad)")),
         (("run", EXPERIMENT, "--clock", "sidereal"), ("sidereal", "real, lockstep or local")),
         (("run", EXPERIMENT, *LOCAL, "--rrd", "x.rrd"), ("--rrd", "--trace")),
+        (("run", EXPERIMENT, *LOCAL, "--trace", "x.xls"), ("x.xls", ".npz, .csv, .parquet")),
         (("run", "nowhere/mine.toml", *LOCAL), ("nowhere/mine.toml",)),
         (("run", "fig-6-4", *LOCAL), ("fig-6-4 is a computed figure", "hydrohil reproduce --only fig-6-4")),
         (("show", "force-filter"), ("computed figure", "hydrohil reproduce --only force-filter")),
@@ -217,7 +219,8 @@ def test_down_without_up_says_so():
 @pytest.mark.parametrize("option", ["--json", "--trace"])
 def test_a_full_disk_and_a_folder_in_place_of_a_file_are_told_in_one_line_and_are_no_failed_claim(option: str, tmp_path: Path):
     folder = hydrohil("run", EXPERIMENT, *LOCAL, option, str(tmp_path))
-    full = hydrohil("run", EXPERIMENT, *LOCAL, option, "/dev/full")
+    (tmp_path / "full.npz").symlink_to("/dev/full")
+    full = hydrohil("run", EXPERIMENT, *LOCAL, option, str(tmp_path / "full.npz"))
     assert (folder.exit_code, full.exit_code) == (2, 2)
     assert "is a folder" in folder.stderr and "No space left" in full.stderr
     assert len(full.stderr.strip().splitlines()) == 1

@@ -1,14 +1,14 @@
-"""What a report says, and the exit status that follows from it."""
+"""What is said of a run: on the terminal, in a recording's document, as JSON; and the exit status that follows from it."""
 
 import json
 import math
-from pathlib import Path
 
 import pytest
 from rich.console import Console
 
 from hydrohil.claims.claims import Verdict
-from hydrohil.cli.report import BY_HAND, Report, markdown, show, write_json
+from hydrohil.cli.report import show
+from hydrohil.experiment.run import BY_HAND, Run
 from hydrohil.services.controller.config import ScheduledChange
 from hydrohil.shared.contract.faults import Fault
 from hydrohil.shared.host.qualified import Qualified
@@ -18,8 +18,8 @@ EXPERIMENT = find("fig-4-25")
 HOLDS, FAILS = (Verdict(EXPERIMENT.claims[0], 1.0, held) for held in (True, False))
 
 
-def report(verdicts: tuple[Verdict, ...] = (HOLDS,), tripped: str = "", gap: str = "") -> Report:
-    return Report(EXPERIMENT, "real", 4, verdicts, tripped, gap, 10.0, {}, "")
+def report(verdicts: tuple[Verdict, ...] = (HOLDS,), trip: str = "", gap: str = "") -> Run:
+    return Run(EXPERIMENT, "real", 4, verdicts=verdicts, trip=trip, gap=gap, wall_s=10.0)
 
 
 @pytest.mark.parametrize(
@@ -29,15 +29,19 @@ def report(verdicts: tuple[Verdict, ...] = (HOLDS,), tripped: str = "", gap: str
         (report(()), 0),
         (report((HOLDS, FAILS)), 1),
         (report((FAILS,), gap="command of tick 3 is missing"), 5),
-        (report((HOLDS,), tripped="the raw force is above its limit"), 3),
-        (report((FAILS,), tripped="the raw force is above its limit", gap="command of tick 3 is missing"), 3),
+        (report((HOLDS,), trip="the raw force is above its limit"), 3),
+        (report((FAILS,), trip="the raw force is above its limit", gap="command of tick 3 is missing"), 3),
     ],
 )
-def test_the_worst_of_it_decides_the_exit_status(made: Report, status: int):
+def test_the_worst_of_it_decides_the_exit_status(made: Run, status: int):
     assert made.exit_status == status
 
 
-def shown(made: Report) -> str:
+def as_json(made: Run) -> dict:
+    return json.loads(json.dumps(made.report(), allow_nan=False))
+
+
+def shown(made: Run) -> str:
     console = Console(width=200, record=True, file=None, quiet=False)
     with console.capture() as capture:
         show(console, made)
@@ -49,7 +53,7 @@ def test_a_gap_is_said_to_give_no_verdict():
 
 
 def test_a_trip_is_said_with_its_words():
-    assert "TRIPPED: too much" in shown(report((), tripped="too much"))
+    assert "TRIPPED: too much" in shown(report((), trip="too much"))
 
 
 def test_claims_are_shown_as_stated_measured_and_whether_they_hold():
@@ -64,63 +68,58 @@ def test_without_numbers_the_latencies_are_dashes():
 
 
 def test_the_document_marks_what_fails():
-    assert "**NO**" in markdown(report((FAILS,)))
-    assert "**NO**" not in markdown(report((HOLDS,)))
+    assert "**NO**" in report((FAILS,)).to_markdown()
+    assert "**NO**" not in report((HOLDS,)).to_markdown()
 
 
-def test_a_number_that_is_none_is_null_in_json(tmp_path: Path):
-    write_json(tmp_path / "r.json", report((Verdict(EXPERIMENT.claims[0], math.nan, False),)))
-    told = json.loads((tmp_path / "r.json").read_text())
+def test_a_number_that_is_none_is_null_in_json():
+    told = as_json(report((Verdict(EXPERIMENT.claims[0], math.nan, False),)))
     assert told["claims"][0]["measured"] is None
     assert (told["exit_status"], told["clock"], told["seed"]) == (1, "real", 4)
 
 
-def test_warnings_are_in_the_document_and_in_json(tmp_path: Path):
+def test_warnings_are_in_the_document_and_in_json():
     warned = report()._replace(warnings=("it must limit-cycle",))
-    write_json(tmp_path / "r.json", warned)
-    assert json.loads((tmp_path / "r.json").read_text())["warnings"] == ["it must limit-cycle"]
-    assert "**warning**: it must limit-cycle" in markdown(warned)
-    assert "warning" not in markdown(report())
+    told = as_json(warned)
+    assert told["warnings"] == ["it must limit-cycle"]
+    assert "**warning**: it must limit-cycle" in warned.to_markdown()
+    assert "warning" not in report().to_markdown()
 
 
-def test_what_was_broken_on_purpose_is_said_everywhere(tmp_path: Path):
+def test_what_was_broken_on_purpose_is_said_everywhere():
     faults = (Fault("drop", "supply", 2.0, 1.0, 0.5), Fault("stuck", "force"))
     made = report()._replace(experiment=EXPERIMENT._replace(faults=faults))
-    for text in (shown(made), markdown(made)):
+    for text in (shown(made), made.to_markdown()):
         assert "drop supply 0.5 share at 2 s for 1 s" in text and "stuck force at 0 s to the end" in text
-    write_json(tmp_path / "report.json", made)
-    assert json.loads((tmp_path / "report.json").read_text())["faults"] == [fault._asdict() for fault in faults]
+    told = as_json(made)
+    assert told["faults"] == [fault._asdict() for fault in faults]
 
 
-def test_the_report_carries_how_the_host_is_qualified_or_that_it_is_not(tmp_path: Path):
+def test_the_report_carries_how_the_host_is_qualified_or_that_it_is_not():
     found = Qualified(4_500_000, "B", "yesterday", 4_500_000, 4444, 0.0005, 1400.0, 12_000.0, 36.0)._asdict()
-    told = []
-    for made in (report()._replace(qualification=found), report(), report()._replace(clock="local")):
-        write_json(tmp_path / "r.json", made)
-        told.append(json.loads((tmp_path / "r.json").read_text()))
+    told = [as_json(made) for made in (report()._replace(qualification=found), report(), report()._replace(clock="local"))]
     assert [one["qualification"] for one in told] == [found, None, None]
     assert "qualified for 222.2 Hz, grade B (yesterday)" in told[0]["qualified"]
     assert "not qualified" in told[1]["qualified"] and told[2]["qualified"] is None
 
 
-def test_a_run_whose_parameters_were_changed_by_hand_has_no_verdict_whatever_its_claims_say(tmp_path: Path):
+def test_a_run_whose_parameters_were_changed_by_hand_has_no_verdict_whatever_its_claims_say():
     line = "changed by hand at sample 40: controller.law"
     for verdicts in ((HOLDS,), (FAILS,), ()):
-        made = report(verdicts)._replace(changed=(line,))
+        made = report(verdicts)._replace(changed_by_hand=(line,))
         assert made.exit_status == 5
         assert f"NO VERDICT: {BY_HAND}" in shown(made) and line in shown(made)
-        assert BY_HAND in markdown(made) and line in markdown(made)
-    assert report((HOLDS,), tripped="too much")._replace(changed=(line,)).exit_status == 3
-    write_json(tmp_path / "r.json", report()._replace(changed=(line,)))
-    told = json.loads((tmp_path / "r.json").read_text())
+        assert BY_HAND in made.to_markdown() and line in made.to_markdown()
+    assert report((HOLDS,), trip="too much")._replace(changed_by_hand=(line,)).exit_status == 3
+    told = as_json(report()._replace(changed_by_hand=(line,)))
     assert (told["changed_by_hand"], told["exit_status"], told["claims"][0]["holds"]) == ([line], 5, True)
-    assert BY_HAND not in shown(report()) and "by hand" not in markdown(report())
+    assert BY_HAND not in shown(report()) and "by hand" not in report().to_markdown()
 
 
-def test_scheduled_changes_are_said_and_leave_the_verdict(tmp_path: Path):
+def test_scheduled_changes_are_said_and_leave_the_verdict():
     changes = (ScheduledChange(2.5, ("controller.law=pi",)),)
     made = report()._replace(experiment=EXPERIMENT._replace(changes=changes))
     assert made.exit_status == 0
-    assert "at 2.5 s: controller.law=pi" in shown(made) and "at 2.5 s: controller.law=pi" in markdown(made)
-    write_json(tmp_path / "r.json", made)
-    assert json.loads((tmp_path / "r.json").read_text())["changes"] == [{"at_s": 2.5, "set": ["controller.law=pi"]}]
+    assert "at 2.5 s: controller.law=pi" in shown(made) and "at 2.5 s: controller.law=pi" in made.to_markdown()
+    told = as_json(made)
+    assert told["changes"] == [{"at_s": 2.5, "set": ["controller.law=pi"]}]

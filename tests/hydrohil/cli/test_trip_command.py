@@ -8,8 +8,9 @@ from pathlib import Path
 import pytest
 from typer.testing import CliRunner, Result
 
-from hydrohil.cell.trip_file import TRIPS, kept_file
+from hydrohil.cell.trip_file import TRIPS
 from hydrohil.cli.main import app
+from hydrohil.cli.run import kept_file
 from hydrohil.pages.trip_page import page
 from hydrohil.shared.trips.files import read, reports, write
 from tests.support.trip_scene import TRIP_NUMBER, report
@@ -89,13 +90,13 @@ def test_what_is_no_report_is_one_line_and_2(tmp_path: Path):
 
 
 def test_without_a_recorder_the_command_writes_the_report_itself():
-    path = kept_file(report(), None)
+    path = kept_file(report())
     assert read(Path(path))["sample"] == TRIP_NUMBER
 
 
 def test_a_folder_that_cannot_be_written_is_one_line(tmp_path: Path, capsys):
     (tmp_path / "runs").write_text("")
-    assert kept_file(report(), None) == ""
+    assert kept_file(report()) == ""
     assert capsys.readouterr().err.count("\n") == 1
 
 
