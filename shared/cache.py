@@ -1,4 +1,4 @@
-"""Where what may be made again, or belongs to this host, is kept between runs."""
+"""The folder for compiled kernels, and for records of this host, between runs."""
 
 import os
 from pathlib import Path

@@ -76,7 +76,10 @@ def bounds(row: Row) -> str:
 
 def listed() -> list[dict[str, Any]]:
     """Every row, as `hydrohil inject --list --json` prints it."""
-    return [row._asdict() | {"injected": row.group in INJECTORS, "scheduled": row.group in SCHEDULED} for row in ROWS]
+    return [
+        row._asdict() | {"clocks": row.clocks, "injected": row.group in INJECTORS, "scheduled": row.group in SCHEDULED}
+        for row in ROWS
+    ]
 
 
 def words(fault: dict[str, Any]) -> str:

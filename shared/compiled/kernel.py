@@ -80,5 +80,5 @@ def compiled(function: Function) -> Function:
         register_jitable(forceinline=True, no_cfunc_wrapper=True)(marked)
     sys.setrecursionlimit(max(sys.getrecursionlimit(), RECURSION))
     _registered = len(_marked)
-    made: Function = numba.njit(cache=True, error_model="python")(function)
-    return made
+    machine_code: Function = numba.njit(cache=True, error_model="python")(function)
+    return machine_code

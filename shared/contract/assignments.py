@@ -34,10 +34,10 @@ def put(plain: Any, path: str, value: Any) -> None:
     Raises ValueError with the nearest names.
     """
     parts = path.split(".")
-    place = plain
+    parent = plain
     for depth in range(len(parts) - 1):
-        place = place[_key(place, parts, depth)]
-    place[_key(place, parts, len(parts) - 1)] = value
+        parent = parent[_key(parent, parts, depth)]
+    parent[_key(parent, parts, len(parts) - 1)] = value
 
 
 def written(path: str, value: Any) -> str:
@@ -60,19 +60,19 @@ def nearest(name: str, known: Iterable[str], otherwise: str = "") -> str:
     return ", ".join(difflib.get_close_matches(name, names, 3, 0.5)) or otherwise or ", ".join(names)
 
 
-def _key(place: Any, parts: list[str], depth: int) -> str | int:
-    """Key of `parts[depth]` in `place`."""
+def _key(parent: Any, parts: list[str], depth: int) -> str | int:
+    """Key of `parts[depth]` in `parent`."""
     part, inside = parts[depth], ".".join(parts[:depth])
-    if isinstance(place, dict):
-        if part in place:
+    if isinstance(parent, dict):
+        if part in parent:
             return part
-        known = [*place]
-    elif isinstance(place, list):
-        if part in LINKS and len(place) == len(LINKS):
+        known = [*parent]
+    elif isinstance(parent, list):
+        if part in LINKS and len(parent) == len(LINKS):
             return LINKS.index(part)
-        if part.isdecimal() and int(part) < len(place):
+        if part.isdecimal() and int(part) < len(parent):
             return int(part)
-        known = [str(index) for index in range(len(place))] + (list(LINKS) if len(place) == len(LINKS) else [])
+        known = [str(index) for index in range(len(parent))] + (list(LINKS) if len(parent) == len(LINKS) else [])
     else:
         raise ValueError(f"{inside} is a value without fields; end the path there")
     hint = nearest(part, known) if known else "nothing: it is empty"

@@ -69,11 +69,11 @@ def figure_values(figure: Figure, names: tuple[str, ...], matrix: Matrix) -> Mat
     index = {name: i for i, name in enumerate(names)}
     if any(curve.column not in index or (curve.minus and curve.minus not in index) for curve in figure.curves):
         return None
-    made = np.empty((len(matrix), len(figure.curves)))
+    values = np.empty((len(matrix), len(figure.curves)))
     for k, curve in enumerate(figure.curves):
         column = matrix[:, index[curve.column]]
-        made[:, k] = (column - matrix[:, index[curve.minus]] if curve.minus else column) * curve.factor + curve.offset
-    return made
+        values[:, k] = (column - matrix[:, index[curve.minus]] if curve.minus else column) * curve.factor + curve.offset
+    return values
 
 
 def _links(column: str, factor: float, which: tuple[int, ...] = (0, 1, 2), minus: str = "", label: str = "") -> tuple[Curve, ...]:

@@ -21,7 +21,7 @@ class DeadlineWindow(NamedTuple):
 
 @kernel
 def deadline_window_step(answers: DeadlineWindow, lost: int, in_time: bool) -> DeadlineWindow:
-    """One sample more, and the `lost` ones before it, of which nobody can say that they were answered."""
+    """One sample more, and the `lost` ones before it, which count as not answered in time."""
     for _ in range(min(lost, WINDOW)):
         answers = _shift(answers, 1)
     return _shift(answers, 0 if in_time else 1)
@@ -32,10 +32,10 @@ def _shift(answers: DeadlineWindow, missed: int) -> DeadlineWindow:
     leaving = (answers.older >> (_HALF - 1)) & 1
     carried = (answers.newer >> (_HALF - 1)) & 1
     return DeadlineWindow(
-        (answers.newer << 1) % _FULL + missed,
-        (answers.older << 1) % _FULL + carried,
-        answers.missed + missed - leaving,
-        (answers.in_a_row + 1) * missed,
+        newer=(answers.newer << 1) % _FULL + missed,
+        older=(answers.older << 1) % _FULL + carried,
+        missed=answers.missed + missed - leaving,
+        in_a_row=(answers.in_a_row + 1) * missed,
     )
 
 

@@ -1,4 +1,4 @@
-"""What a load hands to every service: one text, hashed as sent; each service opens its own section."""
+"""The load that every service gets: one text, hashed as sent, of which each service opens its own section."""
 
 import hashlib
 import json
@@ -47,17 +47,19 @@ def unseal(text: str) -> Envelope:
     """The envelope in `text`; raises ValueError with one line if it is none."""
     try:
         values = json.loads(text)
-        made = Envelope(digest=hashlib.sha256(text.encode()).digest(), **values)
+        envelope = Envelope(digest=hashlib.sha256(text.encode()).digest(), **values)
     except (ValueError, TypeError, RecursionError) as error:
         raise ValueError(f"the load is no envelope: {error}") from error
-    if made.clock not in CLOCKS:
-        raise ValueError(f"clock is {made.clock!r}, expected one of {', '.join(CLOCKS)}")
+    if envelope.clock not in CLOCKS:
+        raise ValueError(f"clock is {envelope.clock!r}, expected one of {', '.join(CLOCKS)}")
     for name, largest in _LARGEST.items():
-        if type(getattr(made, name)) is not int or not 0 <= getattr(made, name) <= largest:
-            raise ValueError(f"{name} is {getattr(made, name)!r}, expected a whole number from 0 to {largest}")
-    if type(made.experiment) is not dict:
-        raise ValueError(f"experiment is {type(made.experiment).__name__}, expected an object with a section for each service")
-    return made
+        if type(getattr(envelope, name)) is not int or not 0 <= getattr(envelope, name) <= largest:
+            raise ValueError(f"{name} is {getattr(envelope, name)!r}, expected a whole number from 0 to {largest}")
+    if type(envelope.experiment) is not dict:
+        raise ValueError(
+            f"experiment is {type(envelope.experiment).__name__}, expected an object with a section for each service"
+        )
+    return envelope
 
 
 def section(envelope: Envelope, name: str, kind: Any) -> Any:
@@ -108,5 +110,5 @@ def checked(plain: Any, name: str, kind: Any) -> Any:
 
 @cache
 def _adapter(kind: Any) -> TypeAdapter[Any]:
-    """The validator of a kind; made once, because that takes longer than a sample lasts."""
+    """The validator of a kind, built once: building takes longer than a sample lasts."""
     return TypeAdapter(kind, config=ConfigDict(allow_inf_nan=False))

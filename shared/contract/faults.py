@@ -1,7 +1,7 @@
-"""Faults that can be asked for, as one table: what breaks, where, by how much, and on which clocks that can be played.
+"""Faults that can be injected, as one table: what breaks, where, by how much, and on which clocks it can be played.
 
-An experiment schedules them in its section [[faults]]; `hydrohil inject` asks a rig that runs. Each service takes the rows
-that are its own: the emulated machine sensors and actuators, the receiving bus its paths, the operator the processes.
+An experiment schedules them in its section [[faults]]; `hydrohil inject` sends them to a running cell. The emulated machine
+plays the faults of sensors and actuators, the bus of each receiver those of its paths, the operator those of processes.
 """
 
 import math
@@ -27,6 +27,7 @@ FOR_EVER = 2**31  # later than any tick
 MOST_FAULTS = 32  # of a trial, and by hand in one service at once: each costs a few us a sample
 MOST_DELAY_MS = 1000.0  # on one path at once: each message is compared with all that might overtake it
 _EVERY, _ON_THE_BUS, _LIVE = ("local", "lockstep", "real"), ("lockstep", "real"), ("real",)
+_CLOCKS: dict[Group, tuple[str, ...]] = {"sensor": _EVERY, "actuator": _EVERY, "transport": _ON_THE_BUS, "process": _LIVE}
 
 
 class Fault(NamedTuple):
@@ -49,37 +50,41 @@ class Row(NamedTuple):
     unit: str = ""  # of the value; "" = it takes none
     low: float = 0.0
     high: float = 0.0
-    clocks: tuple[str, ...] = _EVERY
+
+    @property
+    def clocks(self) -> tuple[str, ...]:
+        """Clocks on which it can be played."""
+        return _CLOCKS[self.group]
 
 
 ROWS = (
     Row("stuck", FORCE + ENCODERS, "sensor", "the reading stays what it was"),
     Row("garbage", FORCE + ENCODERS, "sensor", "any code of the converter, another each sample"),
     Row("dropout", FORCE + ENCODERS, "sensor", "cable off: the gauge at its negative rail, a counter at 0"),
-    Row("offset", FORCE, "sensor", "a jump of the reading", "N", -1000.0, 1000.0),
-    Row("offset", ENCODERS, "sensor", "a jump of the counter", "counts", -8192.0, 8192.0),
-    Row("drift", FORCE, "sensor", "the reading runs away", "N/s", -1000.0, 1000.0),
-    Row("drift", ENCODERS, "sensor", "the counter runs away", "counts/s", -8192.0, 8192.0),
-    Row("gain", FORCE, "sensor", "the reading times this", "times", 0.0, 10.0),
-    Row("noise", FORCE, "sensor", "its own noise times this; 0 is too quiet to be true", "times", 0.0, 100.0),
-    Row("noise", ENCODERS, "sensor", "uniform within +- this", "counts", 0.0, 8192.0),
+    Row("offset", FORCE, "sensor", "a jump of the reading", unit="N", low=-1000.0, high=1000.0),
+    Row("offset", ENCODERS, "sensor", "a jump of the counter", unit="counts", low=-8192.0, high=8192.0),
+    Row("drift", FORCE, "sensor", "the reading runs away", unit="N/s", low=-1000.0, high=1000.0),
+    Row("drift", ENCODERS, "sensor", "the counter runs away", unit="counts/s", low=-8192.0, high=8192.0),
+    Row("gain", FORCE, "sensor", "the reading times this", unit="times", high=10.0),
+    Row("noise", FORCE, "sensor", "its own noise times this; 0 is too quiet to be true", unit="times", high=100.0),
+    Row("noise", ENCODERS, "sensor", "uniform within +- this", unit="counts", high=8192.0),
     Row("wrap", ENCODERS, "sensor", "the counter passes its end: its highest bit flips"),
     Row("stuck", VALVES, "actuator", "the spool stays where it was"),
-    Row("leak", VALVES, "actuator", "cross-port leakage times this", "times", 1.0, 1000.0),
+    Row("leak", VALVES, "actuator", "cross-port leakage times this", unit="times", low=1.0, high=1000.0),
     Row("stuck", CONVERTERS, "actuator", "the D/A holds its code, whatever is written"),
-    Row("drop", ("supply",), "actuator", "share of the supply pressure that is lost", "share", 0.0, 1.0),
-    Row("loss", PATHS, "transport", "each message is lost with this probability", "probability", 0.0, 1.0, _ON_THE_BUS),
-    Row("burst", PATHS, "transport", "so many messages in a row are lost", "messages", 1.0, 1e6, _ON_THE_BUS),
-    Row("duplicate", PATHS, "transport", "each message comes twice with this probability", "probability", 0.0, 1.0, _ON_THE_BUS),
-    Row("reorder", PATHS, "transport", "each message changes places with its successor", "probability", 0.0, 1.0, _ON_THE_BUS),
-    Row("delay", PATHS, "transport", "each message comes later by this", "ms", 0.0, 1000.0, _ON_THE_BUS),
-    Row("jitter", PATHS, "transport", "each message comes later by up to this", "ms", 0.0, 1000.0, _ON_THE_BUS),
-    Row("corrupt", PATHS, "transport", "one bit of a message flips with this probability", "probability", 0.0, 1.0, _ON_THE_BUS),
-    Row("partition", PATHS + CUTS, "transport", "nothing comes through, one way (a>b) or both (a-b)", clocks=_ON_THE_BUS),
-    Row("kill", PROCESSES, "process", "SIGKILL", clocks=_LIVE),
-    Row("freeze", PROCESSES, "process", "SIGSTOP, thawed at the end", clocks=_LIVE),
-    Row("slow", PROCESSES[:3], "process", "each step takes longer by this", "ms", 0.0, 1000.0, _LIVE),
-    Row("hog", ("host",), "process", "so many processes that never rest", "processes", 1.0, 64.0, _LIVE),
+    Row("drop", ("supply",), "actuator", "share of the supply pressure that is lost", unit="share", high=1.0),
+    Row("loss", PATHS, "transport", "each message is lost with this probability", unit="probability", high=1.0),
+    Row("burst", PATHS, "transport", "so many messages in a row are lost", unit="messages", low=1.0, high=1e6),
+    Row("duplicate", PATHS, "transport", "each message comes twice with this probability", unit="probability", high=1.0),
+    Row("reorder", PATHS, "transport", "each message changes places with its successor", unit="probability", high=1.0),
+    Row("delay", PATHS, "transport", "each message comes later by this", unit="ms", high=1000.0),
+    Row("jitter", PATHS, "transport", "each message comes later by up to this", unit="ms", high=1000.0),
+    Row("corrupt", PATHS, "transport", "one bit of a message flips with this probability", unit="probability", high=1.0),
+    Row("partition", PATHS + CUTS, "transport", "nothing comes through, one way (a>b) or both (a-b)"),
+    Row("kill", PROCESSES, "process", "SIGKILL"),
+    Row("freeze", PROCESSES, "process", "SIGSTOP, thawed at the end"),
+    Row("slow", PROCESSES[:3], "process", "each step takes longer by this", unit="ms", high=1000.0),
+    Row("hog", ("host",), "process", "so many processes that never rest", unit="processes", low=1.0, high=64.0),
 )
 
 
@@ -127,7 +132,7 @@ def ticks_of(fault: Fault, period_ns: int) -> tuple[int, int]:
 
 
 def value_missing(fault: Fault) -> str:
-    """What to give where nobody gave a value, one line; "" if this fault takes none, or is not known."""
+    """That the value is missing and what is expected, one line; "" if this fault takes none, or is not known."""
     try:
         row = row_of(fault)
     except LookupError:
@@ -156,7 +161,7 @@ def too_late(faults: Sequence[Fault]) -> str:
 
 
 def never_acts(fault: Fault, period_ns: int, ticks: tuple[int, int]) -> str:
-    """Why `fault` would not be seen in a trial of these ticks (first, and the one after its last), one line; "" if it would."""
+    """Why `fault` would not act in a trial of these ticks (first, and the one after its last), one line; "" if it would."""
     first, end = ticks_of(fault, period_ns)
     begin_s, end_s = (tick * period_ns / NS_PER_S for tick in ticks)
     if first >= ticks[1]:

@@ -1,4 +1,4 @@
-"""What travels between the services. One NamedTuple a topic; its fields, in order, are the body on the wire.
+"""The messages between the services. One NamedTuple a topic; its fields, in order, are the body on the wire.
 
 Counts are what converters read and write: encoder counters, signed A/D counts, D/A codes. Everything else is SI.
 `q` and `qd` are joint positions and velocities in rad and rad/s, of link 3 in m and m/s; link order is (rotate, down/up with +
@@ -31,7 +31,7 @@ class GateState(IntEnum):
 
 
 class GateCause(IntEnum):
-    """Why the gate is not open; what the gate asks first is named."""
+    """Why the gate is not open: the first condition that does not hold."""
 
     NONE = 0
     NO_PERMIT = 1
@@ -129,7 +129,7 @@ class PlantDescription(NamedTuple):
 
 
 class Sample(NamedTuple):
-    """What the DAQ reads at one instant, and what its gate made of the last command."""
+    """What the DAQ reads at one instant, and the state of its gate and command."""
 
     number: int
     time_ns: int  # simulated time since the plant's start
@@ -183,7 +183,7 @@ class Command(NamedTuple):
 
 
 class ControllerState(NamedTuple):
-    """What the law thought at one sample. Force is tared and, unless it says mean, not averaged."""
+    """The law's inputs and outputs at one sample. Force is tared and, unless the name says mean, not averaged."""
 
     number: int
     tick: int
@@ -198,7 +198,7 @@ class ControllerState(NamedTuple):
     force_mean_n: float
     force_set_n: float
     force_bias_n: float
-    current_a: Links  # demanded of the valves, before the converter
+    current_a: Links  # commanded to the valves, before the converter
     integral_a: Links  # integral term of each law
     boosted: LinkCounts  # 1 = integral augmented at this sample
     clamped: int  # bit mask of what the envelope clamped; 0 = nothing
@@ -223,7 +223,7 @@ class Permit(NamedTuple):
 
 
 class InboxCounts(NamedTuple):
-    """What a receiver made of one topic's frames since its start."""
+    """Frames of one topic that a receiver accepted, missed and discarded since its start."""
 
     topic: str
     accepted: int
@@ -231,7 +231,7 @@ class InboxCounts(NamedTuple):
     other_run: int  # accepted, but of another run or experiment: not used
     link_faults: int  # CRC and sequence faults under the bound identity
     epoch_conflicts: int  # frames by which the bound sender has another epoch
-    oversized: int  # from here on: why frames were discarded, strangers' among them
+    oversized: int  # from here on: why frames were discarded, foreign ones included
     malformed: int
     crc: int
     version: int
@@ -250,13 +250,13 @@ class LinkStats(NamedTuple):
 
 
 class SampleDropped(NamedTuple):
-    """In lockstep: a fault of the transport took this sample, it will not be answered."""
+    """In lockstep: a transport fault took this sample, and it will not be answered."""
 
     number: int
 
 
 class FaultEvent(NamedTuple):
-    """A fault that was asked for begins or ends."""
+    """A scheduled or injected fault begins or ends."""
 
     number: int  # first sample with it, or first without
     tick: int
@@ -271,7 +271,7 @@ class ParameterEvent(NamedTuple):
 
     number: int  # first sample that is answered with it, or with the first of its ramp
     tick: int
-    by_hand: int  # 1 = an operator asked for it, 0 = the experiment schedules it
+    by_hand: int  # 1 = by an operator, 0 = scheduled by the experiment
     path: str  # as in the experiment
     old: str  # as TOML has it
     new: str
@@ -286,7 +286,7 @@ class Ask(NamedTuple):
 
 
 class Answer(NamedTuple):
-    """What the service made of it; nothing is confirmed by silence."""
+    """The answer to a request; no request is confirmed by silence."""
 
     accepted: int
     reason: str  # why not, and what to do

@@ -1,9 +1,9 @@
-"""Whether the controller keeps up with the samples: judged by the supervisor, told by the recorder."""
+"""Whether the controller keeps up with the samples: the supervisor judges it, the recorder logs it."""
 
 from hydrohil.shared.compiled.kernel import kernel
 from hydrohil.shared.contract.messages import Sample
 
-LATE_IN_A_ROW = 3  # more of them warn; the lease decides when it is borne no more
+LATE_IN_A_ROW = 3  # more of them give a warning; the lease decides when they are a trip
 
 
 @kernel

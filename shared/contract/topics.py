@@ -1,4 +1,4 @@
-"""Every topic in one table: key, message, publisher, nominal rate, deadline. Watchdogs, recorder and README derive from it."""
+"""Every topic in one table: key, message, publisher, rate, deadline. Watchdogs, recorder and wire page derive from it."""
 
 from typing import Any, NamedTuple
 
@@ -12,30 +12,30 @@ class Topic(NamedTuple):
     schema: int  # a new field is a new number
     message: Any  # its NamedTuple class
     publisher: str
-    per_sample: bool  # once a sample; otherwise on change
-    deadline: str  # in sample periods or leases; "" = none
-    loop: bool  # carries the control loop: real-time priority
+    per_sample: bool = False  # once a sample; otherwise on change
+    deadline: str = ""  # in sample periods or leases; "" = none
+    loop: bool = False  # carries the control loop: real-time priority
 
 
 TOPICS = (
-    Topic("plant/sample", 1, messages.Sample, "plant", True, "1 period", True),
-    Topic("plant/ground_truth", 21, messages.GroundTruth, "plant", True, "", False),
-    Topic("plant/gate", 20, messages.GateEvent, "plant", False, "", False),
-    Topic("plant/description", 4, messages.PlantDescription, "plant", False, "", False),
-    Topic("controller/command", 5, messages.Command, "controller", True, "1 lease", True),
-    Topic("controller/state", 22, messages.ControllerState, "controller", True, "1 lease", False),
-    Topic("supervisor/permit", 7, messages.Permit, "supervisor", True, "1 lease", True),
-    Topic("plant/link_stats", 10, messages.LinkStats, "plant", False, "", False),
-    Topic("controller/link_stats", 11, messages.LinkStats, "controller", False, "", False),
-    Topic("supervisor/link_stats", 12, messages.LinkStats, "supervisor", False, "", False),
-    Topic("controller/sample_dropped", 13, messages.SampleDropped, "controller", False, "", False),
-    Topic("supervisor/sample_dropped", 14, messages.SampleDropped, "supervisor", False, "", False),
-    Topic("plant/fault", 15, messages.FaultEvent, "plant", False, "", False),
-    Topic("controller/parameter_change", 16, messages.ParameterEvent, "controller", False, "", False),
+    Topic("plant/sample", 1, messages.Sample, "plant", per_sample=True, deadline="1 period", loop=True),
+    Topic("plant/ground_truth", 21, messages.GroundTruth, "plant", per_sample=True),
+    Topic("plant/gate", 20, messages.GateEvent, "plant"),
+    Topic("plant/description", 4, messages.PlantDescription, "plant"),
+    Topic("controller/command", 5, messages.Command, "controller", per_sample=True, deadline="1 lease", loop=True),
+    Topic("controller/state", 22, messages.ControllerState, "controller", per_sample=True, deadline="1 lease"),
+    Topic("supervisor/permit", 7, messages.Permit, "supervisor", per_sample=True, deadline="1 lease", loop=True),
+    Topic("plant/link_stats", 10, messages.LinkStats, "plant"),
+    Topic("controller/link_stats", 11, messages.LinkStats, "controller"),
+    Topic("supervisor/link_stats", 12, messages.LinkStats, "supervisor"),
+    Topic("controller/sample_dropped", 13, messages.SampleDropped, "controller"),
+    Topic("supervisor/sample_dropped", 14, messages.SampleDropped, "supervisor"),
+    Topic("plant/fault", 15, messages.FaultEvent, "plant"),
+    Topic("controller/parameter_change", 16, messages.ParameterEvent, "controller"),
 )
-WARMUP = Topic("plant/warmup", 17, messages.Sample, "plant", False, "", True)  # tells nothing new: nobody records it
-ASK = Topic("operator/request", 8, messages.Ask, "operator", False, "", False)
-ANSWER = Topic("operator/answer", 9, messages.Answer, "", False, "", False)
+WARMUP = Topic("plant/warmup", 17, messages.Sample, "plant", loop=True)  # repeats the last sample: it is not recorded
+ASK = Topic("operator/request", 8, messages.Ask, "operator")
+ANSWER = Topic("operator/answer", 9, messages.Answer, "")
 BY_KEY = {topic.key: topic for topic in (*TOPICS, WARMUP)}
 BY_SCHEMA = {topic.schema: topic for topic in (*TOPICS, WARMUP, ASK, ANSWER)}
 

@@ -1,4 +1,4 @@
-"""The life of a service's process: options, signals, real-time claims, exit status."""
+"""The life of a service's process: options, signals, real-time requests, exit status."""
 
 import argparse
 import os
@@ -24,14 +24,14 @@ from hydrohil.shared.transport.bus import Bus, BusError
 from hydrohil.shared.transport.endpoints import DEFAULT_PORT, HERE, LISTENERS, Network, address, network
 
 _NUMBER_BITS = 62
-_ALONE = {"controller": True, "supervisor": False}  # whether it has its cell's chosen processor; the plant goes where one is free
+_ALONE = {"controller": True, "supervisor": False}  # the controller has one CPU of its own; the plant may use any
 DEFAULT_CELL = "cell"
 _ROUTER_POLL_S = 0.1
 _ROUTER_PATIENCE_S = 1.0  # of one attempt to reach the router's host
 
 
 class Options(NamedTuple):
-    """What every service's command line says."""
+    """Options that every service's command line has."""
 
     cell: str = DEFAULT_CELL
     port: int = DEFAULT_PORT
@@ -50,22 +50,22 @@ class CommandLine(argparse.ArgumentParser):
 
 def parser(service: str, description: str | None) -> CommandLine:
     """Command line that every service understands."""
-    made = CommandLine(
+    line = CommandLine(
         prog=f"hydrohil {service}",
         description=description,
         epilog=f"Example: hydrohil {service} --cell left --port 7550",
     )
-    made.add_argument("--cell", default=DEFAULT_CELL, help="name of the cell; several share one network (cell)")
-    made.add_argument("--port", type=int, default=DEFAULT_PORT, help=f"first of the cell's four ports ({DEFAULT_PORT})")
-    made.add_argument("--hosts", default="", metavar="SERVICE=ADDRESS,...", help="where services run; not named: on 127.0.0.1")
-    made.add_argument("--router", default="", metavar="tcp/ADDRESS:PORT", help="connect to this router instead of the others")
-    return with_process_options(made)
+    line.add_argument("--cell", default=DEFAULT_CELL, help="name of the cell; several share one network (cell)")
+    line.add_argument("--port", type=int, default=DEFAULT_PORT, help=f"first of the cell's four ports ({DEFAULT_PORT})")
+    line.add_argument("--hosts", default="", metavar="SERVICE=ADDRESS,...", help="where services run; not named: on 127.0.0.1")
+    line.add_argument("--router", default="", metavar="tcp/ADDRESS:PORT", help="connect to this router instead of the others")
+    return with_process_options(line)
 
 
-def with_process_options(made: CommandLine) -> CommandLine:
-    """And what concerns the process alone."""
-    made.add_argument("--no-realtime", action="store_true", help="ask for no real-time scheduling")
-    made.add_argument(
+def with_process_options(line: CommandLine) -> CommandLine:
+    """Add the options that concern the process alone."""
+    line.add_argument("--no-realtime", action="store_true", help="ask for no real-time scheduling")
+    line.add_argument(
         "--with-parent",
         nargs="?",
         type=int,
@@ -74,11 +74,11 @@ def with_process_options(made: CommandLine) -> CommandLine:
         metavar="PID",
         help="end when the starting process ends, however it ends",
     )
-    return made
+    return line
 
 
 def options_of(line: CommandLine, given: argparse.Namespace) -> Options:
-    """What a parsed command line says; ends with status 2 where `--hosts` or `--router` say nothing."""
+    """Options of a parsed command line; ends with status 2 if `--hosts` or `--router` cannot be read."""
     try:
         where = network(given.hosts, given.router)
     except ValueError as error:
@@ -123,16 +123,16 @@ def await_router(service: str, where: Network) -> bool:
     """Wait until something listens where the router should, if there is one; False if Ctrl-C came first."""
     if not where.router:
         return True
-    told = False
+    reported = False
     try:
         while True:
             try:
                 socket.create_connection(address(where.router, "--router"), _ROUTER_PATIENCE_S).close()
                 return True
             except OSError:
-                if not told:
+                if not reported:
                     print(f"{service}: waits for the router at {where.router}", flush=True)
-                told = True
+                reported = True
                 time.sleep(_ROUTER_POLL_S)
     except KeyboardInterrupt:
         return False

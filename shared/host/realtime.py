@@ -10,13 +10,13 @@ import sys
 from collections.abc import Iterator
 from typing import NamedTuple
 
-FIFO_PRIORITY = 49  # the same for both who answer: command and permit are both needed within a lease
-PLANT_PRIORITY = 50  # an answer that has come does not wait until who sent it has done
+FIFO_PRIORITY = 49  # of controller and supervisor alike: command and permit are both needed within a lease
+PLANT_PRIORITY = 50  # the plant takes an answer before the service that sent it goes on
 _SWITCH_INTERVAL_S = 50e-6  # Python's 5 ms lets a busy thread hold a callback back for seconds
 _MCL_CURRENT, _MCL_FUTURE = 1, 2
 _PR_SET_PDEATHSIG, _PR_SET_TIMERSLACK = 1, 29
 _held: list[int] = []  # the idle-latency request lasts while its file is open
-_granted: list[int] = []  # the priority
+_granted: list[int] = []  # the real-time priority; empty = none
 
 
 class Granted(NamedTuple):
@@ -28,7 +28,7 @@ class Granted(NamedTuple):
 
 
 def request_realtime(*, realtime: bool, priority: int = FIFO_PRIORITY) -> Granted:
-    """Claim what the host permits; call it before the transport starts its threads, which inherit it."""
+    """Request what the host permits; call it before the transport starts its threads, which inherit it."""
     sys.setswitchinterval(_SWITCH_INTERVAL_S)
     libc = ctypes.CDLL(None, use_errno=True)
     libc.prctl(_PR_SET_TIMERSLACK, 1, 0, 0, 0)
@@ -47,9 +47,9 @@ def _fifo(priority: int) -> bool:
 
 
 def pin_cpu(number: int, *, alone: bool) -> None:
-    """Take one processor, or leave that one to who does; where real-time scheduling was granted and there is a choice.
+    """Run on one CPU (`alone`), or on all but that one; where real-time scheduling was granted and there is a choice.
 
-    What a process has used lies in one processor's cache only. Cells with the next `number` take the next processor.
+    So the data of the process stays in one CPU's cache. A cell with the next `number` takes the next CPU.
     """
     if not _granted:
         return
@@ -65,7 +65,7 @@ def is_fifo() -> bool:
 
 
 def set_scheduling(clock: str) -> None:
-    """Real-time scheduling where the wall clock paces and it was granted; in lockstep it would starve whoever watches."""
+    """Real-time scheduling on the real clock where it was granted; in lockstep it would starve every other process."""
     if clock != "real":
         return set_batch_scheduling()
     return _schedule("SCHED_FIFO", _granted[-1]) if _granted else _schedule("SCHED_OTHER", 0)
@@ -73,7 +73,7 @@ def set_scheduling(clock: str) -> None:
 
 @contextlib.contextmanager
 def without_realtime() -> Iterator[None]:
-    """What this thread does now has no deadline, and takes no processor from who has one, of this cell or of another."""
+    """Work without a deadline: this thread gives up real-time scheduling meanwhile, so that no control loop waits for it."""
     if not _granted:
         yield
         return
@@ -86,12 +86,12 @@ def without_realtime() -> Iterator[None]:
 
 
 def set_batch_scheduling() -> None:
-    """A thread that is woken waits until who runs has done: fewer changes of the processor where no deadline presses."""
+    """Batch scheduling: a woken thread waits until the running one has finished, which saves context switches."""
     _schedule("SCHED_BATCH", 0)
 
 
 def _schedule(policy: str, priority: int) -> None:
-    """Every thread of this process, where the system has such a policy."""
+    """Set the policy of every thread of this process, where the system has it."""
     if not hasattr(os, policy):
         return
     for thread in os.listdir("/proc/self/task"):
@@ -110,7 +110,7 @@ def _idle_latency() -> bool:
 
 
 def quiet_garbage_collection() -> None:
-    """No collection inside the loop: what lives now is frozen, `gc.collect` runs between trials."""
+    """No garbage collection inside the loop: present objects are frozen, and `gc.collect` runs between trials."""
     gc.collect()
     gc.freeze()
     gc.disable()

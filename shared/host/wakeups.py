@@ -1,4 +1,4 @@
-"""How late this host wakes a process: measured by a child that only sleeps, while its parent still loads and compiles."""
+"""How late this host wakes a process: a child that only sleeps measures it, while its parent still loads and compiles."""
 
 import os
 import time
@@ -22,29 +22,29 @@ def worst_lateness_ns(seconds: float) -> int:
 
 
 class Probe:
-    """A child process that measures for a while and tells its worst."""
+    """A child process that measures for a while and reports its worst lateness."""
 
     def __init__(self, seconds: float, *, realtime: bool) -> None:
         """Fork; call it before anything starts a thread that the child would need."""
         parent = os.getpid()
-        self._pipe, told = os.pipe()
+        self._pipe, report = os.pipe()
         os.set_blocking(self._pipe, False)
         self._child = os.fork()
         if self._child == 0:
             try:
                 if die_with_parent(parent):
                     request_realtime(realtime=realtime)
-                    os.write(told, str(worst_lateness_ns(seconds)).encode())
+                    os.write(report, str(worst_lateness_ns(seconds)).encode())
             finally:
                 os._exit(0)
-        os.close(told)
+        os.close(report)
 
     def result(self) -> int | None:
-        """The worst lateness in ns once the child has told it; a child that died told nothing: 0."""
+        """The worst lateness in ns; None while the child still measures, 0 if it died."""
         try:
-            told = os.read(self._pipe, 32)
+            text = os.read(self._pipe, 32)
         except BlockingIOError:
             return None
         os.close(self._pipe)
         os.waitpid(self._child, 0)
-        return int(told) if told else 0
+        return int(text) if text else 0

@@ -1,4 +1,4 @@
-"""One line in words for each thing that happened: what the event log of a recording says."""
+"""Lines of a recording's event log: one for each event."""
 
 from typing import Literal, NamedTuple
 
@@ -57,19 +57,19 @@ def change_words(event: ParameterEvent) -> str:
 
 
 def parameter_event(event: ParameterEvent) -> Event:
-    """A parameter that was changed while a trial ran; by hand, its experiment no longer tells what was run."""
+    """A parameter that was changed while a trial ran; after a change by hand the experiment no longer says what was run."""
     return Event("controller", "WARN" if event.by_hand else "INFO", change_words(event))
 
 
 def permit_events(before: Permit | None, now: Permit) -> list[Event]:
     """Changes of mode, trips and announced trials, from one permit to the next."""
-    told = []
+    events = []
     if before is None or (before.mode, before.cause) != (now.mode, now.cause):
-        told.append(_mode_event(before, now))
+        events.append(_mode_event(before, now))
     if now.first_sample != NO_COMMAND and (before is None or before.first_sample != now.first_sample):
         ticks = f"{now.tare_ticks} ticks of force bias, then {now.duration_ticks}"
-        told.append(Event("supervisor", "INFO", f"trial announced: first sample {now.first_sample}, {ticks}"))
-    return told
+        events.append(Event("supervisor", "INFO", f"trial announced: first sample {now.first_sample}, {ticks}"))
+    return events
 
 
 def _mode_event(before: Permit | None, now: Permit) -> Event:
@@ -91,7 +91,7 @@ def gap_event(topic: str, header: Header, counted: Counted) -> Event | None:
 
 
 def link_stats_event(receiver: str, before: InboxCounts | None, now: InboxCounts) -> Event | None:
-    """What a receiver lost or discarded since it was last told; nothing at its first telling, or where it started anew."""
+    """What a receiver lost or discarded since its last report; None for its first report and after its restart."""
     if before is None:
         return None
     grown = {name: getattr(now, name) - getattr(before, name) for name in COUNT_NAMES if name != "accepted"}
@@ -100,17 +100,17 @@ def link_stats_event(receiver: str, before: InboxCounts | None, now: InboxCounts
 
 
 def late_event(in_a_row: int, number: int) -> Event | None:
-    """A warning at the first answer in a row too many that was late or missing; the lease decides when it is borne no more."""
+    """A warning when more answers in a row than LATE_IN_A_ROW were late or missing; the lease decides when that is a trip."""
     if in_a_row != LATE_IN_A_ROW + 1:
         return None
     return Event("plant", "WARN", f"{in_a_row} answers in a row were late or missing, up to sample {number}")
 
 
 def rejected_event(rejected: Rejected, times: int) -> Event:
-    """A frame that was not ours; the first of a cause, and then at each doubling of its count."""
+    """A refused frame: the first of a cause, and then one line at each doubling of its count."""
     return Event("recorder", "WARN", f"{times} refused on {rejected.topic}: {rejected.cause}, {rejected.detail}")
 
 
 def is_reported(times: int) -> bool:
-    """Whether the `times`-th of its kind gets a line: 1, 2, 4, 8, ..."""
+    """Whether the `times`-th event of its kind gets a line: 1, 2, 4, 8, ..."""
     return times & (times - 1) == 0

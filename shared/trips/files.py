@@ -1,7 +1,7 @@
-"""Trip reports as files: one JSON text each, written in a thread that nobody waits for.
+"""Trip reports as files, one JSON text each; a thread of its own writes them, so the recorder never waits for the disk.
 
-JSON, because it opens without this project: a browser, a spreadsheet, MATLAB, jq; and because Python's floats come back
-bit for bit. `hydrohil trip` makes tables (--csv) and plots (--html) of it.
+JSON opens without this project (browser, spreadsheet, MATLAB, jq), and Python's floats come back bit for bit.
+`hydrohil trip` makes tables (--csv) and plots (--html) of it.
 """
 
 import json
@@ -65,17 +65,17 @@ def read(path: Path) -> Document:
 
 
 class TripFiles:
-    """Writes in its own thread. What cannot be written is one line, and `failure`."""
+    """Writes reports in its own thread. A report that cannot be written gives one line on stderr, and `failure`."""
 
     def __init__(self, folder: Path) -> None:
-        """Nothing is made before the first report."""
+        """No file and no thread before the first report."""
         self.folder, self.failure = folder, ""
         self._newest: tuple[Document, Path] | None = None
         self._queue: queue.Queue[Document | None] = queue.Queue(_WAITING)
         self._thread: threading.Thread | None = None
 
     def put(self, document: Document) -> None:
-        """Hand a report over; never waits."""
+        """Hand a report to the thread; returns at once."""
         if self._thread is None:
             self._thread = threading.Thread(target=self._work, name="trip reports", daemon=True)
             self._thread.start()

@@ -6,17 +6,17 @@ _MS = 1e3
 
 
 def lines(document: Document) -> list[str]:
-    """The sentence, what was to hold, ages and counters."""
-    told = [document["sentence"]]
+    """The sentence, the rule, what to do, ages and counters."""
+    found = [document["sentence"]]
     if document["must_hold"]:
-        told.append(f"rule: {document['cause']} of the {document['by']}: {document['must_hold']}")
+        found.append(f"rule: {document['cause']} of the {document['by']}: {document['must_hold']}")
     if document["to_do"]:
-        told.append(f"to do: {document['to_do']}")
-    told += document.get("changed", [])
-    told += ["ages at the trip:"] if document["ages"] else []
-    told += [f"  {hop['age_s'] * _MS:9.3f} ms  {hop['hop']}, on {hop['clock']} clock" for hop in document["ages"]]
+        found.append(f"to do: {document['to_do']}")
+    found += document.get("changed", [])
+    found += ["ages at the trip:"] if document["ages"] else []
+    found += [f"  {hop['age_s'] * _MS:9.3f} ms  {hop['hop']}, on {hop['clock']} clock" for hop in document["ages"]]
     counted = _counted(document)
-    return told + (["counted since each start:"] if counted else []) + [f"  {line}" for line in counted]
+    return found + (["counted since each start:"] if counted else []) + [f"  {line}" for line in counted]
 
 
 def markdown(document: Document) -> str:
@@ -36,10 +36,10 @@ def markdown(document: Document) -> str:
 
 def _counted(document: Document) -> list[str]:
     """One line a receiver and topic with anything but accepted messages."""
-    made = []
+    found = []
     for receiver, topics in document["counters"].items():
         for topic, counts in topics.items():
             named = [f"{count} {name.replace('_', ' ')}" for name, count in counts.items() if count and name != "accepted"]
             if named:
-                made.append(f"{receiver} of {topic}: {', '.join(named)}")
-    return made or (["nothing lost, nothing discarded"] if document["counters"] else [])
+                found.append(f"{receiver} of {topic}: {', '.join(named)}")
+    return found or (["nothing lost, nothing discarded"] if document["counters"] else [])

@@ -1,4 +1,4 @@
-"""Zero loss is counted, not hoped for: every publisher numbers its messages, a skipped number is a missing message."""
+"""Missing messages, by their numbers: every publisher numbers its messages, so a skipped number is a missing message."""
 
 from typing import NamedTuple
 
@@ -12,7 +12,7 @@ class Sequence(NamedTuple):
     last: int
     received: int = 1
     missing: int = 0  # numbers skipped
-    unordered: int = 0  # numbers at or below one already seen: repeated or resequenced
+    unordered: int = 0  # numbers at or below the last one: repeated or resequenced
     restarts: int = 0  # changes of epoch; the numbers start again
 
 
@@ -25,16 +25,16 @@ class Counted(NamedTuple):
 
 
 def count(before: Sequence | None, epoch: int, seq: int) -> Counted:
-    """Count one message. The first seen of a publisher opens the count: what came before it is not missed."""
+    """Count one message. The first of a publisher opens the count: earlier numbers are not missing."""
     if before is None:
-        return Counted(Sequence(epoch, seq), 0, False)
-    _, last, received, missing, unordered, restarts = before
+        return Counted(Sequence(epoch, seq), skipped=0, restarted=False)
+    after = before._replace(received=before.received + 1)
     if epoch != before.epoch:
-        return Counted(Sequence(epoch, seq, received + 1, missing, unordered, restarts + 1), 0, True)
-    if seq <= last:
-        return Counted(Sequence(epoch, last, received + 1, missing, unordered + 1, restarts), 0, False)
-    skipped = seq - last - 1
-    return Counted(Sequence(epoch, seq, received + 1, missing + skipped, unordered, restarts), skipped, False)
+        return Counted(after._replace(epoch=epoch, last=seq, restarts=before.restarts + 1), skipped=0, restarted=True)
+    if seq <= before.last:
+        return Counted(after._replace(unordered=before.unordered + 1), skipped=0, restarted=False)
+    skipped = seq - before.last - 1
+    return Counted(after._replace(last=seq, missing=before.missing + skipped), skipped, restarted=False)
 
 
 def unbroken(before: Sequence | None, headers: list[Header]) -> Sequence | None:

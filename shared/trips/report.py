@@ -1,7 +1,7 @@
-"""A trip, told from the signals around it: rule and number, when, how long to zero, ages of every hop, counters, one sentence.
+"""The report of a trip from the signals around it: cause, numbers, moment, stop, ages, counters, and one sentence.
 
 Pure: columns in, a document of plain values out. The recorder, `hydrohil run` and the local clock call the same function.
-Every age is a difference on one machine's clock, and says whose.
+Every age is a difference on one machine's clock, and names that clock.
 """
 
 import math
@@ -35,7 +35,7 @@ class Trip(NamedTuple):
 
 
 class Origin(NamedTuple):
-    """Where a report comes from."""
+    """Moment, cell, receiver and run of a report."""
 
     utc: str
     cell: str
@@ -90,7 +90,15 @@ def newest_trip(signals: Tables) -> Trip | None:
         return cut
     measured, limit = permits["measured"][first], permits["limit"][first]
     happened = trip_happened(cause, measured, limit)
-    return Trip("supervisor", cause.name, measured, limit, number, happened, TRIPS.get(cause))
+    return Trip(
+        by="supervisor",
+        cause=cause.name,
+        measured=measured,
+        limit=limit,
+        sample=number,
+        happened=happened,
+        row=TRIPS.get(cause),
+    )
 
 
 def _cut(signals: Tables) -> Trip | None:
@@ -101,7 +109,15 @@ def _cut(signals: Tables) -> Trip | None:
         if events["state"][i] == GateState.REVOKED and cause != GateCause.REVOKED_ARMING:
             measured, limit = events["measured"][i], events["limit"][i]
             happened = cut_happened(cause, measured, limit)
-            return Trip("gate", cause.name, measured, limit, events["number"][i], happened, CUTS.get(cause))
+            return Trip(
+                by="gate",
+                cause=cause.name,
+                measured=measured,
+                limit=limit,
+                sample=events["number"][i],
+                happened=happened,
+                row=CUTS.get(cause),
+            )
     return None
 
 
@@ -124,7 +140,7 @@ def stop(signals: Tables, number: int, n_per_count: float) -> Document:
         "zero_sample": None if zero is None else samples["number"][zero],
         "samples_later": None if zero is None else samples["number"][zero] - number,
         "tip_moved_m": _moved(table, field, number),
-        "tip_from": "the emulator's truth" if GROUND_TRUTH in signals else "the encoders",
+        "tip_from": "the emulator's ground truth" if GROUND_TRUTH in signals else "the encoders",
         "force_n": forces[0] if forces else None,
         "force_peak_n": max(forces, key=abs) if len(forces) > 1 else None,
         "samples_after": len(later) - 1 if later else 0,
@@ -141,7 +157,7 @@ def _moved(table: Table, field: str, number: int) -> float | None:
 
 
 def counters_of(link_stats_by_receiver: Mapping[str, LinkStats]) -> Document:
-    """What each receiver made of the frames that came, by topic and cause; zeros left out, but what was accepted."""
+    """Counts of each receiver by topic and cause; zeros are left out, but not those of accepted messages."""
     return {
         receiver: {
             inbox.topic: {
@@ -174,12 +190,12 @@ def _zero_words(stopped: Document) -> str:
 
 
 def _motion_words(stopped: Document) -> str:
-    told = []
+    found = []
     if stopped["tip_moved_m"] is not None:
-        told.append(f"the tip moved {stopped['tip_moved_m'] * 1e3:.1f} mm")
+        found.append(f"the tip moved {stopped['tip_moved_m'] * 1e3:.1f} mm")
     if stopped["force_peak_n"] is not None and abs(stopped["force_peak_n"]) > abs(stopped["force_n"]):
-        told.append(f"the force rose to {stopped['force_peak_n']:.1f} N")
-    return f"; meanwhile {' and '.join(told)}" if told else ""
+        found.append(f"the force rose to {stopped['force_peak_n']:.1f} N")
+    return f"; meanwhile {' and '.join(found)}" if found else ""
 
 
 def _plain(value: float) -> float | None:

@@ -1,6 +1,6 @@
-"""The last seconds of every topic, always; and the moment at which they hold a trip with what came after it. Pure.
+"""The last seconds of every topic, and when they hold a trip with what came after it. Pure.
 
-A trip is a permit that turns TRIPPED, or a cut of the gate while an arming stood. Both of one trip are one report.
+A trip is a permit whose mode becomes TRIPPED, or a cut of the gate. Permit and cut of one trip give one report.
 """
 
 from collections import defaultdict, deque
@@ -23,10 +23,10 @@ from hydrohil.shared.units import NS_PER_S
 KEPT_NS = 10 * NS_PER_S  # before the trip, by the samples' own time
 _SLACK_NS = NS_PER_S  # a topic that is read after another
 AFTER_NS = NS_PER_S // 2  # after it: the zero, and the machine's coming to rest
-PATIENCE_NS = NS_PER_S  # by the receiver's clock: a plant that is gone sends nothing after it
+PATIENCE_NS = NS_PER_S  # on the receiver's clock, for a plant that has ended and sends no samples after its trip
 _CHANGES = 256  # of a trial's parameters: the newest
 _DEEPEST = 16_384  # messages a topic, whatever their times say: 10 s at 1 kHz, and what comes after
-_JUDGED = (Sample, Permit, GateEvent)  # one by one; of the rest nothing is asked
+_EXAMINED = (Sample, Permit, GateEvent)  # one by one; all other messages are only kept
 
 
 class Caught(NamedTuple):
@@ -39,10 +39,10 @@ class Caught(NamedTuple):
 
 
 class TripRing:
-    """Keeps messages; `caught` hands a trip over once."""
+    """Keeps messages; `caught` returns each trip once."""
 
     def __init__(self) -> None:
-        """Nothing heard."""
+        """No message has come."""
         self.description: PlantDescription | None = None
         self._rings: defaultdict[str, deque[Received]] = defaultdict(lambda: deque(maxlen=_DEEPEST))
         self._link_stats_by_receiver: dict[str, LinkStats] = {}
@@ -61,7 +61,7 @@ class TripRing:
         elif kind is ParameterEvent:
             self._changes.extend(message.body for message in messages if message.body.by_hand)
         else:
-            if kind in _JUDGED:
+            if kind in _EXAMINED:
                 for message in messages:
                     self._take(message)
             else:
@@ -77,9 +77,9 @@ class TripRing:
     def _take(self, message: Received) -> None:
         body = message.body
         if isinstance(body, Sample):
-            self._follow(message)
+            self._take_sample_time(message)
         elif isinstance(body, Permit):
-            self._judge(message, body)
+            self._take_permit(message, body)
             if body.mode == Mode.DISARMED and self._tripped_ns is None:
                 self._changes.clear()
         self._rings[message.topic].append(message)
@@ -101,8 +101,8 @@ class TripRing:
         done, self._done = self._done, []
         return done
 
-    def _follow(self, message: Received) -> None:
-        """The plant's time; another plant begins at its own start."""
+    def _take_sample_time(self, message: Received) -> None:
+        """Take the plant's time; another plant counts from its own start."""
         if self._plant is not None and message.header.epoch != self._plant:
             self._hand_over()
             self._rings.clear()
@@ -110,7 +110,7 @@ class TripRing:
         self._plant = message.header.epoch
         self._newest_ns = max(self._newest_ns, message.body.time_ns)
 
-    def _judge(self, message: Received, permit: Permit) -> None:
+    def _take_permit(self, message: Received, permit: Permit) -> None:
         before, self._permit = self._permit, message
         if before is None or before.header.epoch != message.header.epoch:
             return

@@ -1,4 +1,4 @@
-"""The recorder's trips: everything of the last seconds is kept, each trip becomes a document and a file."""
+"""The recorder's trips: messages of the last seconds are kept, and each trip becomes a document and a file."""
 
 from datetime import UTC, datetime
 from pathlib import Path
@@ -31,7 +31,7 @@ class Trips:
     """A ring, and a thread that writes; `folder` None = no files."""
 
     def __init__(self, cell: str, folder: Path | None) -> None:
-        """Nothing heard."""
+        """No message has come."""
         self._cell = cell
         self._ring = TripRing()
         self._files = TripFiles(folder) if folder is not None else None
@@ -43,16 +43,16 @@ class Trips:
 
     def reports(self, now_ns: int, counters: dict[str, Any], *, at_once: bool = False) -> list[Document]:
         """Trips that are complete by now, each handed to the writing thread."""
-        made = []
+        found = []
         for caught in self._ring.caught(now_ns, at_once=at_once):
             document = document_of(caught, utc_now(), self._cell, "the recorder's", counters)
             if document is None:
                 continue
             self._last = document
-            made.append(document)
+            found.append(document)
             if self._files is not None:
                 self._files.put(document)
-        return made
+        return found
 
     def close(self) -> None:
         """Let the thread finish."""
@@ -60,9 +60,9 @@ class Trips:
             self._files.close()
 
     def status(self) -> dict[str, Any]:
-        """The newest report: its trip, its file, or why there is none."""
+        """The newest report: its trip, its file, or why there is no file."""
         if self._last is None:
             return {}
         files = self._files
-        told = {name: self._last[name] for name in ("utc", "run", "sample", "cause", "sentence")}
-        return told | {"path": files.path_of(self._last) if files else "", "failure": files.failure if files else ""}
+        trip = {name: self._last[name] for name in ("utc", "run", "sample", "cause", "sentence")}
+        return trip | {"path": files.path_of(self._last) if files else "", "failure": files.failure if files else ""}

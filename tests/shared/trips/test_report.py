@@ -87,7 +87,7 @@ def test_the_tip_s_way_is_the_largest_distance_from_where_it_tripped():
     here = [table[f"tip_m[{k}]"][first] for k in range(3)]
     far = max(math.dist(here, [table[f"tip_m[{k}]"][i] for k in range(3)]) for i in range(first, len(table["number"])))
     assert stop(seen, TRIP_NUMBER, 1.0)["tip_moved_m"] == pytest.approx(far)
-    assert stop(seen, TRIP_NUMBER, 1.0)["tip_from"] == "the emulator's truth"
+    assert stop(seen, TRIP_NUMBER, 1.0)["tip_from"] == "the emulator's ground truth"
     del seen["plant/ground_truth"]
     assert stop(seen, TRIP_NUMBER, 1.0)["tip_from"] == "the encoders"
     assert stop(seen, TRIP_NUMBER, 1.0)["tip_moved_m"] > 0.0
