@@ -1,8 +1,6 @@
-"""`hydrohil faults`: the fault battery, as a page, a JUnit file and an exit status."""
+"""`hydrohil faults`: the fault test, as a page, a JUnit file and an exit status."""
 
 import math
-import time
-from datetime import datetime
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated
 
@@ -14,10 +12,7 @@ from hydrohil.shared.exit_status import EXIT_USAGE
 
 if TYPE_CHECKING:  # the page's libraries load when it is made
     from hydrohil.faulttest.report import Report
-    from hydrohil.faulttest.trial import Row, Trial
-
-LOCKSTEP_PORTS = 12  # beyond those of the other cells that a battery may have
-FIRST_PORT = 7650  # beside a cell that is up: the battery has one of its own
+    from hydrohil.faulttest.run import FaultTestProgress
 
 
 @app.command(rich_help_panel=CONFIDENCE)
@@ -36,11 +31,11 @@ def faults(
     permit_ttl_ms: Annotated[float | None, typer.Option(help="Lease; default: chosen from this host's lateness.")] = None,
     realtime: Annotated[bool, typer.Option(help="Ask for real-time scheduling.")] = True,
     cell: CellName = "faults",
-    port: Port = FIRST_PORT,
+    port: Port = 7650,
 ) -> None:
     """Break everything that can break, and measure how long it takes until the valves are at zero.
 
-    The battery brings up a cell of its own and ends it. Exit status: 0 every fault that was tried is survived, 1 one is not,
+    The fault test brings up cells of its own and ends them. Exit status: 0 every fault that was tried is survived, 1 one is not,
     2 usage, 130 interrupted (what is complete is written).
 
     Examples: `hydrohil faults --list`, `hydrohil faults`, `hydrohil faults --quick`,
@@ -48,58 +43,58 @@ def faults(
     """
     from hydrohil.cell.connection import service_options
     from hydrohil.cli import faults_list
-    from hydrohil.faulttest.matrix import find_rows
-    from hydrohil.shared.compiled.kernel import source_version
+    from hydrohil.faulttest.matrix import UnknownRowError, find_rows
 
-    wanted = [*(only or []), *(rows or [])]
+    numbers = [*(only or []), *(rows or [])]
     try:
-        chosen = find_rows(wanted)
-    except LookupError as error:
-        raise fail(error.args[0], EXIT_USAGE) from None
+        chosen = find_rows(numbers)
+    except UnknownRowError as error:
+        raise fail(error, EXIT_USAGE) from None
     if listed:
         return faults_list.show(chosen) if json_file is None else faults_list.write_json(chosen, json_file)
     make_folders(json_file, html, junit_file)
     options = [f"--trials {trials}", f"--seed {seed}"] + ["--quick"] * quick
-    command = " ".join(["hydrohil faults", *(["--only", *wanted] if wanted else []), *options])
-    extra = service_options(permit_ttl_ms, realtime=realtime) | {"recorder": ["--trips", str(html.parent / "trips")]}
-    report = _play(chosen, cell, port, (trials, seed, quick), extra)
-    report = report._replace(source_version=source_version(), command=command)
-    _finish(report, json_file, html, junit_file)
+    command = " ".join(["hydrohil faults", *(["--only", *numbers] if numbers else []), *options])
+    with _Bar() as bar:
+        from hydrohil.cell.processes import Place
+        from hydrohil.faulttest.run import run_fault_tests
+
+        report = run_fault_tests(
+            numbers,
+            trials=trials,
+            seed=seed,
+            quick=quick,
+            place=Place(cell, port),
+            realtime=realtime,
+            permit_ttl_ms=permit_ttl_ms,
+            trips_folder=html.parent / "trips",
+            report=bar.show,
+        )
+    _finish(report._replace(command=command), json_file, html, junit_file)
 
 
-def _play(
-    chosen: "tuple[Row, ...]", cell: str, port: int, wished: tuple[int, int, bool], extra: dict[str, list[str]]
-) -> "Report":
-    """The battery with a bar; a Ctrl-C ends it with what is complete."""
-    from rich.progress import BarColumn, MofNCompleteColumn, Progress, TextColumn, TimeElapsedColumn
+class _Bar:
+    """A bar over all trials; a fault that is not survived is printed above it at once."""
 
-    from hydrohil.cell.processes import Place
-    from hydrohil.faulttest.report import Report
-    from hydrohil.faulttest.rig import Rig, lockstep_extra
-    from hydrohil.faulttest.run import FaultTest, Wish, total
-    from hydrohil.reproduction.report import machine
+    def __init__(self) -> None:
+        from rich.progress import BarColumn, MofNCompleteColumn, Progress, TextColumn, TimeElapsedColumn
 
-    wish, began, interrupted = Wish(*wished), time.perf_counter(), False
-    again: list[str] = []
-    made = datetime.now().astimezone().isoformat(" ", "seconds")
-    columns = (TextColumn("{task.description}"), BarColumn(), MofNCompleteColumn(), TimeElapsedColumn())
-    stepped = Rig(Place(f"{cell}-lockstep", port + LOCKSTEP_PORTS), lockstep_extra(extra), again.append)
-    rig = Rig(Place(cell, port), extra, again.append)
-    with Progress(*columns, console=console) as progress:
-        task = progress.add_task("starting; compiles once after a change", total=total(chosen, wish))
+        columns = (TextColumn("{task.description}"), BarColumn(), MofNCompleteColumn(), TimeElapsedColumn())
+        self._progress = Progress(*columns, console=console)
+        self._task = self._progress.add_task("starting; compiles once after a change", total=None)
 
-        def show(title: str, trial: "Trial | None") -> None:
-            progress.update(task, description=title, advance=0 if trial is None else 1)
-            if trial is not None and not trial.held:
-                progress.console.print(f"[red bold]NOT SURVIVED[/] {title}: {trial.words}", highlight=False)
+    def __enter__(self) -> "_Bar":
+        self._progress.start()
+        return self
 
-        battery = FaultTest(chosen, {"L": stepped, "W": rig}, wish, show)
-        try:
-            battery.play()
-        except KeyboardInterrupt:
-            interrupted = True
-    results, took_s = battery.results(), time.perf_counter() - began
-    return Report(results, wish.trials, wish.seed, rig.lease_ms, interrupted, "", made, took_s, machine(), "", tuple(again))
+    def __exit__(self, *_: object) -> None:
+        self._progress.stop()
+
+    def show(self, now: "FaultTestProgress") -> None:
+        """One report of the fault test."""
+        self._progress.update(self._task, description=now.title, completed=now.done, total=now.total)
+        if now.trial is not None and not now.trial.held:
+            self._progress.console.print(f"[red bold]NOT SURVIVED[/] {now.title}: {now.trial.words}", highlight=False)
 
 
 def _finish(report: "Report", json_file: Path | None, html: Path, junit_file: Path) -> None:
@@ -137,5 +132,5 @@ def _show(report: "Report", html: Path) -> None:
             table.add_row(*first, way, held, *map(milliseconds, times), *map(amount, went), tried.verdict)
     console.print(table)
     lease = f"; lease {report.lease_ms:.1f} ms" if math.isfinite(report.lease_ms) else ""
-    again = f"; begun again: {len(report.begun_again)}" if report.begun_again else ""
+    again = f"; started again: {len(report.restarted)}" if report.restarted else ""
     console.print(f"{report.headline}{lease}{again}; {duration(report.duration_s)}; {html}", soft_wrap=True, highlight=False)

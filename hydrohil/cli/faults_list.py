@@ -1,4 +1,4 @@
-"""`hydrohil faults --list`: what the battery tries, before anything is started."""
+"""`hydrohil faults --list`: what the fault test tries, before anything is started."""
 
 import json
 from collections.abc import Sequence
@@ -6,7 +6,7 @@ from pathlib import Path
 from typing import Any
 
 from hydrohil.cli.options import console, make_folders, writing
-from hydrohil.faulttest.trial import Proved, Row, Untried, Way
+from hydrohil.faulttest.trial import ByTests, NotTried, Row, Way
 
 STDOUT = Path("-")
 
@@ -39,5 +39,5 @@ def _plain(row: Row) -> dict[str, Any]:
 
 
 def _way(way: Way) -> dict[str, Any]:
-    tests = {"tests": list(way.tests)} if isinstance(way, Proved) else {}
-    return {"letter": way.letter, "words": way.words, "tried": not isinstance(way, Untried)} | tests
+    tests = {"tests": list(way.tests)} if isinstance(way, ByTests) else {}
+    return {"letter": way.letter, "words": way.words, "tried": not isinstance(way, NotTried)} | tests

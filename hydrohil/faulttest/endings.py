@@ -1,4 +1,4 @@
-"""The end of what was started (row 32): `hydrohil run` or the whole terminal ends while the valves move."""
+"""Ends of processes (row 32): `hydrohil run` or the whole terminal ends while the valves move."""
 
 import os
 import signal
@@ -21,10 +21,10 @@ from hydrohil.shared.units import NS_PER_S
 
 BOUND_S = 0.2
 PATIENCE_S = 30.0
-PORTS = 8  # beside the battery's own cell and that of the start orders
+PORTS = 8  # beside the fault test's own cell and that of the start orders
 
 
-def ended(rig: Rig, dice: Random, number: int, how: signal.Signals, everything: bool) -> Trial:
+def ended(rig: Rig, rng: Random, number: int, how: signal.Signals, everything: bool) -> Trial:
     """A signal to `hydrohil run`, which brought its cell up, or, as a closed terminal does, to all that it started."""
     place = rig.place._replace(cell=f"{rig.place.cell}-ending", port=rig.place.port + PORTS)
     with tempfile.TemporaryDirectory() as folder:
@@ -39,36 +39,44 @@ def ended(rig: Rig, dice: Random, number: int, how: signal.Signals, everything: 
         )  # its reports stay there
         try:
             with cells.operator_bus(place) as bus:
-                trial = _ended(Observer(bus), run, dice, how, everything)
+                trial = _ended(Observer(bus), run, rng, how, everything)
         finally:
             run.kill()
             run.wait()
         return _recorded(trial, recording)
 
 
-def _ended(observer: Observer, run: "subprocess.Popen[bytes]", dice: Random, how: signal.Signals, everything: bool) -> Trial:
+def _ended(observer: Observer, run: "subprocess.Popen[bytes]", rng: Random, how: signal.Signals, everything: bool) -> Trial:
     deadline = time.monotonic() + PATIENCE_S
     while not (samples := observer.listen().samples) or samples[-1].body.tick in (NO_TRIAL, *range(-10_000, 0)):
         if time.monotonic() > deadline or run.poll() is not None:
             return Trial(False, f"no trial began within {PATIENCE_S:g} s")
         time.sleep(0.01)
-    observer.listen_for(0.3 + dice.uniform(0.0, 0.6))
-    blow_ns = time.monotonic_ns()
+    observer.listen_for(0.3 + rng.uniform(0.0, 0.6))
+    fault_ns = time.monotonic_ns()
     if everything:
         os.killpg(run.pid, how)
     else:
         run.send_signal(how)
-    heard = observer.listen_for(BOUND_S + 0.3)
-    at_ns = zero_at(heard, blow_ns)
-    last_ns = heard.samples[-1].arrival_ns
+    observed = observer.listen_for(BOUND_S + 0.3)
+    at_ns = zero_at(observed, fault_ns)
+    last_ns = observed.samples[-1].arrival_ns
     try:
         run.wait(PATIENCE_S)
     except subprocess.TimeoutExpired:
         return Trial(False, f"it still runs {PATIENCE_S:g} s after the signal", bound_s=BOUND_S)
-    way_mm, force_n = moved(heard, blow_ns)
-    at_ns = at_ns or last_ns  # no sample tells of zero any more: the plant itself has ended, and its last act is to write it
-    reaction_s = max(0, at_ns - blow_ns) / NS_PER_S
-    return Trial(reaction_s <= BOUND_S, f"ended with status {run.returncode}", reaction_s, BOUND_S, 0.0, way_mm, force_n)
+    moved_mm, force_n = moved(observed, fault_ns)
+    at_ns = at_ns or last_ns  # without a sample of zero the plant itself has ended; its last act is to write zero
+    reaction_s = max(0, at_ns - fault_ns) / NS_PER_S
+    return Trial(
+        held=reaction_s <= BOUND_S,
+        words=f"ended with status {run.returncode}",
+        reaction_s=reaction_s,
+        bound_s=BOUND_S,
+        stalled_s=0.0,
+        moved_mm=moved_mm,
+        force_n=force_n,
+    )
 
 
 def _recorded(trial: Trial, recording: Path) -> Trial:

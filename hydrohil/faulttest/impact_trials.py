@@ -1,4 +1,4 @@
-"""Motions that lead beyond a limit by themselves: the tool strikes the stiff plate at full speed, a link passes its limit."""
+"""Motions that lead beyond a limit by themselves: the tool hits the stiff plate at full speed, a link passes its limit."""
 
 from random import Random
 
@@ -12,7 +12,7 @@ from hydrohil.faulttest.observer import since, zero_at
 from hydrohil.faulttest.operators import hop_s
 from hydrohil.faulttest.processes import WATCHED_S, confirmed, judged, period_s
 from hydrohil.faulttest.rig import Rig
-from hydrohil.faulttest.simulations import Bools, crossed, ended
+from hydrohil.faulttest.simulations import Bools, ended, limit_trial
 from hydrohil.faulttest.trial import Trial
 from hydrohil.shared.contract.converters import N_PER_FORCE_COUNT
 from hydrohil.shared.contract.messages import NO_TRIAL, Mode, TripCause
@@ -21,18 +21,18 @@ from hydrohil.simulation.rollout import play_local
 from hydrohil.thesis.chapter5 import TIP_Z_M, sampled
 
 PLATE_N_PER_M = 57.6e3  # the stiffest that the thesis measured with its gauge
-BELOW_M = 0.12  # far enough that the link is at full speed when it strikes
+BELOW_M = 0.12  # from the start to the plate: the link is at full speed when it hits
 STEP_RAD = 0.35
-STRUCK_S = 3.0
+IMPACT_S = 3.0
 GATE_N = 200.0  # a gate's limit below the supervisor's, so that the gate must act first and alone
 HIGH_RAD = 0.05
 LEVEL_N, LEVEL_S, ENERGY_J = 100.0, 0.1, 0.5
 LOW_Z_M = -0.42
-STRIKE = SWING._replace(
-    name="battery-strike",
-    alias="battery-strike",
-    title="The tool strikes the stiff plate at full speed",
-    duration_s=STRUCK_S,
+IMPACT = SWING._replace(
+    name="faults-impact",
+    alias="faults-impact",
+    title="The tool hits the stiff plate at full speed",
+    duration_s=IMPACT_S,
     plant=sampled(Environment(kind="plate", stiffness_n_per_m=PLATE_N_PER_M, surface_m=TIP_Z_M - BELOW_M))._replace(
         bias_s=BIAS_S
     ),
@@ -41,19 +41,19 @@ STRIKE = SWING._replace(
 )
 
 
-PUSH = STRIKE._replace(
-    name="battery-push",
-    alias="battery-push",
+PUSH = IMPACT._replace(
+    name="faults-push",
+    alias="faults-push",
     title="The tool is pushed into the stiff plate, slowly enough that the force itself is what passes its limit",
     duration_s=6.0,
-    reference=(Segment("q2", "ramp", 0.5, 4.0, 0.2),),
+    reference=(Segment(channel="q2", kind="ramp", start_s=0.5, duration_s=4.0, amount=0.2),),
 )
 
 
-def pushed(seed: int) -> Trial:
+def pushed_beyond_limit(seed: int) -> Trial:
     """From the first sample above the supervisor's limit of 334 N."""
     limit_n = PUSH.supervisor.force_limit_n
-    return crossed(seed, PUSH, lambda rows: rows.force_counts * N_PER_FORCE_COUNT > limit_n + bias_n(rows), _two_periods)
+    return limit_trial(seed, PUSH, lambda rows: rows.force_counts * N_PER_FORCE_COUNT > limit_n + bias_n(rows), _two_periods)
 
 
 def bias_n(rows: Columns) -> float:
@@ -61,24 +61,24 @@ def bias_n(rows: Columns) -> float:
     return float(rows.force_counts[rows.tick < 0].mean()) * N_PER_FORCE_COUNT
 
 
-def gated(seed: int) -> Trial:
+def cut_by_the_gate(seed: int) -> Trial:
     """From the first sample above the gate's own limit, which here lies below the supervisor's."""
     limits = GateLimits(force_limit_n=GATE_N)
-    return crossed(seed, PUSH, lambda rows: rows.force_counts * N_PER_FORCE_COUNT > GATE_N, _one_period, limits)
+    return limit_trial(seed, PUSH, lambda rows: rows.force_counts * N_PER_FORCE_COUNT > GATE_N, _one_period, limits)
 
 
-def steep(seed: int) -> Trial:
-    """The rate of the force when the plate is struck at full speed; its window is the rule's own, so no time is bounded."""
-    return _by(seed, STRIKE, TripCause.FORCE_RATE)
+def force_rate(seed: int) -> Trial:
+    """The rate of the force when the plate is hit at full speed; the rule has a window of its own, so no time is bounded."""
+    return _by(seed, IMPACT, TripCause.FORCE_RATE)
 
 
-def lasting(seed: int) -> Trial:
+def long_contact(seed: int) -> Trial:
     """From the instant at which the force has stood above a tightened level for a tightened time.
 
     The rule judges a smoothed force, which lags a ramp by its time constant.
     """
     tight = PUSH.supervisor._replace(contact_level_n=LEVEL_N, contact_time_s=LEVEL_S)
-    return crossed(
+    return limit_trial(
         seed,
         PUSH._replace(supervisor=tight),
         _to_the_end_above,
@@ -92,13 +92,13 @@ def _to_the_end_above(rows: Columns) -> Bools:
     return np.cumprod(above[::-1])[::-1].astype(np.bool_)
 
 
-def working(seed: int) -> Trial:
-    """The energy that goes into the plate; the supervisor's own estimate is what it judges, so no time is bounded."""
+def contact_energy(seed: int) -> Trial:
+    """The energy that goes into the plate; the supervisor judges its own estimate, so no time is bounded."""
     return _by(seed, PUSH._replace(supervisor=PUSH.supervisor._replace(contact_energy_j=ENERGY_J)), TripCause.FORCE_ENERGY)
 
 
 def _by(seed: int, experiment: Experiment, cause: TripCause) -> Trial:
-    """Ended by the rule that is meant, and not by another."""
+    """It must be ended by this rule, and by no other."""
     outcome = play_local(experiment, seed)
     return Trial(outcome.supervisor.cause == cause, ended(outcome).words)
 
@@ -106,15 +106,15 @@ def _by(seed: int, experiment: Experiment, cause: TripCause) -> Trial:
 def beyond_joint(seed: int) -> Trial:
     """The swing passes a joint limit that is tightened to lie within it."""
     high = (SWING.supervisor.joint_high_q[0], HIGH_RAD, SWING.supervisor.joint_high_q[2])
-    experiment = SWING._replace(duration_s=STRUCK_S, supervisor=SWING.supervisor._replace(joint_high_q=high))
-    return crossed(seed, experiment, lambda rows: rows.q[:, 1] > HIGH_RAD, _one_period)
+    experiment = SWING._replace(duration_s=IMPACT_S, supervisor=SWING.supervisor._replace(joint_high_q=high))
+    return limit_trial(seed, experiment, lambda rows: rows.q[:, 1] > HIGH_RAD, _one_period)
 
 
 def beyond_workspace(seed: int) -> Trial:
     """The tip leaves a workspace that is tightened to lie within its swing."""
     low = (SWING.supervisor.workspace_low_m[0], SWING.supervisor.workspace_low_m[1], LOW_Z_M)
-    experiment = SWING._replace(duration_s=STRUCK_S, supervisor=SWING.supervisor._replace(workspace_low_m=low))
-    return crossed(seed, experiment, lambda rows: rows.x_m[:, 2] < LOW_Z_M, _one_period)
+    experiment = SWING._replace(duration_s=IMPACT_S, supervisor=SWING.supervisor._replace(workspace_low_m=low))
+    return limit_trial(seed, experiment, lambda rows: rows.x_m[:, 2] < LOW_Z_M, _one_period)
 
 
 def _one_period(period_s: float) -> float:
@@ -125,23 +125,23 @@ def _two_periods(period_s: float) -> float:
     return 2.0 * period_s
 
 
-def struck_live(rig: Rig, dice: Random, number: int) -> Trial:
+def impact_live(rig: Rig, rng: Random, number: int) -> Trial:
     """The same with real processes: from the arrival of the first sample above the limit; the overshoot in N."""
-    rig.started(STRIKE, dice.randrange(1 << 32))
+    rig.started(IMPACT, rng.randrange(1 << 32))
     revoked = int(rig.status("plant")["revoked_arming_ids"])
-    rig.await_(lambda: rig.status("supervisor").get("mode") == Mode.TRIPPED.name, "the over-force trip")
-    heard = rig.observer.listen_for(WATCHED_S)
-    limit_n = STRIKE.supervisor.force_limit_n
-    before = [m.body.force_counts for m in heard.samples if NO_TRIAL < m.body.tick < 0]
+    rig.wait_for(lambda: rig.status("supervisor").get("mode") == Mode.TRIPPED.name, "the over-force trip")
+    observed = rig.observer.listen_for(WATCHED_S)
+    limit_n = IMPACT.supervisor.force_limit_n
+    before = [m.body.force_counts for m in observed.samples if NO_TRIAL < m.body.tick < 0]
     bias = N_PER_FORCE_COUNT * sum(before) / max(1, len(before))
-    above = [m for m in heard.samples if m.body.tick >= 0 and m.body.force_counts * N_PER_FORCE_COUNT - bias > limit_n]
-    began_ns = next(m.arrival_ns for m in heard.samples if m.body.tick != NO_TRIAL)  # before, the tool may still be in contact
-    peak_n = max(m.body.contact_force_n for m in since(heard.ground_truths, began_ns))
-    told = f"peak {peak_n:.0f} N, overshoot {peak_n - limit_n:.0f} N"
+    above = [m for m in observed.samples if m.body.tick >= 0 and m.body.force_counts * N_PER_FORCE_COUNT - bias > limit_n]
+    began_ns = next(m.arrival_ns for m in observed.samples if m.body.tick != NO_TRIAL)  # before, the tool may still be in contact
+    peak_n = max(m.body.contact_force_n for m in since(observed.ground_truths, began_ns))
+    peak = f"peak {peak_n:.0f} N, overshoot {peak_n - limit_n:.0f} N"
     if not above:
-        return confirmed(rig, Trial(True, f"zero current before the force limit was reached; {told}"), revoked, tripped=True)
-    trial = judged(heard, above[0].arrival_ns, 2.0 * period_s(STRIKE) + hop_s(heard))
-    at_ns = zero_at(heard, above[0].arrival_ns) or above[0].arrival_ns
-    samples = sum(m.arrival_ns < at_ns for m in since(heard.samples, above[0].arrival_ns)) - 1
-    words = f"{trial.words}; zero {max(0, samples)} samples after the limit; {told}"
+        return confirmed(rig, Trial(True, f"zero current before the force limit was reached; {peak}"), revoked, tripped=True)
+    trial = judged(observed, above[0].arrival_ns, 2.0 * period_s(IMPACT) + hop_s(observed))
+    at_ns = zero_at(observed, above[0].arrival_ns) or above[0].arrival_ns
+    samples = sum(m.arrival_ns < at_ns for m in since(observed.samples, above[0].arrival_ns)) - 1
+    words = f"{trial.words}; zero {max(0, samples)} samples after the limit; {peak}"
     return confirmed(rig, trial._replace(words=words), revoked, tripped=True)

@@ -1,9 +1,9 @@
-"""The battery as a JUnit file: a suite a row, a case a way, so that any CI shows what was not survived."""
+"""The fault test as a JUnit file: a suite a row, a case a way, so that any CI shows what was not survived."""
 
 from junitparser import Failure, JUnitXml, Skipped, TestCase, TestSuite
 
 from hydrohil.faulttest.report import Report, first_failure, milliseconds
-from hydrohil.faulttest.tally import FAILED, UNTRIED, Tried
+from hydrohil.faulttest.tally import FAILED, NOT_TRIED, WayResult
 from hydrohil.reproduction.junit import text
 
 
@@ -19,14 +19,14 @@ def junit(report: Report) -> str:
     return text(xml)
 
 
-def _case(tried: Tried, number: str) -> TestCase:
+def _case(tried: WayResult, number: str) -> TestCase:
     case = TestCase(f"{tried.way.letter}: {tried.way.words}", f"faults.{number}")
     case.system_out = "\n".join(
         f"{'held' if trial.held else 'FAILED'}; {milliseconds(trial.reaction_s)} ms, bound {milliseconds(trial.bound_s)}; "
         f"{trial.words}"
         for trial in tried.trials
     )
-    if tried.verdict == UNTRIED:
+    if tried.verdict == NOT_TRIED:
         case.result = [Skipped(tried.why)]
     elif tried.verdict == FAILED:
         case.result = [Failure(f"held in {tried.held} of {len(tried.trials)}: {first_failure(tried)}", "fault")]

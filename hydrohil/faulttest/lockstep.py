@@ -7,7 +7,7 @@ from hydrohil.cell.processes import CellError
 from hydrohil.experiment.experiment import Experiment
 from hydrohil.experiment.sections import latch_substeps
 from hydrohil.faulttest.motions import SWING, motion
-from hydrohil.faulttest.observer import Heard, safe
+from hydrohil.faulttest.observer import Observation, safe
 from hydrohil.faulttest.processes import WATCHED_S, confirmed, judged
 from hydrohil.faulttest.rig import Rig
 from hydrohil.faulttest.trial import Trial
@@ -27,7 +27,7 @@ Faults = Callable[[float, float], tuple[Fault, ...]]  # of the instant at which 
 
 
 def survivable(lease_s: float) -> int:
-    """So many commands in a row may be lost:  m T + latch <= lease."""
+    """Number of commands in a row that may be lost:  m T + latch <= lease."""
     return int((lease_s - LATCH_S) / T_S + 1e-9)
 
 
@@ -36,19 +36,19 @@ def trial_of(faults: tuple[Fault, ...], duration_s: float) -> Experiment:
     return SWING._replace(plant=SWING.plant._replace(jitter_substeps=0), duration_s=duration_s, faults=faults)
 
 
-def played(rig: Rig, dice: Random, faults: Faults, after_s: float = AFTER_S) -> tuple[Heard, int]:
-    """What was heard of a trial, and where in its samples the first one is that has the fault."""
-    rig.calm()
-    at_s, lease_s = dice.uniform(*AT_S), rig.lease_s()
-    broken = faults(at_s, lease_s)
-    rig.started(trial_of(broken, at_s + after_s), dice.randrange(1 << 32), "lockstep")
-    rig.await_(lambda: _over(rig), "the trial's end", PATIENCE_S)
-    heard = rig.observer.listen_for(QUIET_S)
-    first = next((i for i, m in enumerate(heard.samples) if _has(m, broken[0])), None)
+def played(rig: Rig, rng: Random, faults: Faults, after_s: float = AFTER_S) -> tuple[Observation, int]:
+    """The messages of a trial, and the index of its first sample that has the fault."""
+    rig.reset()
+    at_s, lease_s = rng.uniform(*AT_S), rig.lease_s()
+    fault_trial = faults(at_s, lease_s)
+    rig.started(trial_of(fault_trial, at_s + after_s), rng.randrange(1 << 32), "lockstep")
+    rig.wait_for(lambda: _over(rig), "the trial's end", PATIENCE_S)
+    observed = rig.observer.listen_for(QUIET_S)
+    first = next((i for i, m in enumerate(observed.samples) if _has(m, fault_trial[0])), None)
     if first is None:
-        causes = ", ".join(GateCause(m.body.cause).name for m in heard.gates)
-        raise CellError(f"the trial ended before its fault: {rig.words()}; the gate's decisions: {causes}")
-    return heard, first
+        causes = ", ".join(GateCause(m.body.cause).name for m in observed.gates)
+        raise CellError(f"the trial ended before its fault: {rig.state()}; the gate's decisions: {causes}")
+    return observed, first
 
 
 def _over(rig: Rig) -> bool:
@@ -57,90 +57,94 @@ def _over(rig: Rig) -> bool:
     return Mode.RUNNING in modes and modes[-1] in (Mode.TRIPPED, Mode.DISARMED)
 
 
-def stopped(rig: Rig, dice: Random, _: int, faults: Faults, bound: Callable[[float], float]) -> Trial:
+def stopped(rig: Rig, rng: Random, _: int, faults: Faults, bound: Callable[[float], float]) -> Trial:
     """The fault must lead to zero current within `bound` of the lease, in simulated time."""
-    heard, first = played(rig, dice, faults)
+    observed, first = played(rig, rng, faults)
     lease_s = rig.lease_s()
-    return _timed(rig, heard.samples, first, bound(lease_s))
+    return _timed(rig, observed.samples, first, bound(lease_s))
 
 
 def _timed(rig: Rig, samples: Sequence[Received], first: int, bound_s: float) -> Trial:
     zero = next((i for i in range(first + 1, len(samples)) if safe(samples[i])), None)
     if zero is None:
-        return Trial(False, f"the current never went to zero: {rig.words()}", bound_s=bound_s)
-    cut_ns = samples[zero - 1].body.time_ns + round(LATCH_S * NS_PER_S)  # a sample tells what the latch before it decided
+        return Trial(False, f"the current never went to zero: {rig.state()}", bound_s=bound_s)
+    cut_ns = samples[zero - 1].body.time_ns + round(LATCH_S * NS_PER_S)  # a sample shows what was decided at the latch before it
     reaction_s = (cut_ns - samples[first].body.time_ns) / NS_PER_S
     resumed = sum(not safe(m) for m in samples[zero:])
     mode = rig.status("supervisor").get("mode")
     held = reaction_s <= bound_s + SUBSTEP_NS / NS_PER_S / 2 and resumed == 0 and mode == Mode.TRIPPED.name
-    words = f"{zero - 1 - first} samples after the first that has it; {resumed} with current afterwards; {rig.words()}"
+    words = f"{zero - 1 - first} samples after the first that has it; {resumed} with current afterwards; {rig.state()}"
     return Trial(held, words, reaction_s, bound_s)
 
 
-def borne(rig: Rig, dice: Random, _: int, faults: Faults) -> Trial:
+def tolerated(rig: Rig, rng: Random, _: int, faults: Faults) -> Trial:
     """The fault must not end the trial."""
-    heard, first = played(rig, dice, faults)
+    observed, first = played(rig, rng, faults)
     tripped = rig.status("supervisor").get("mode") == Mode.TRIPPED.name
-    return Trial(not tripped, f"{len(heard.samples) - first} samples since the fault; {rig.words()}")
+    return Trial(not tripped, f"{len(observed.samples) - first} samples since the fault; {rig.state()}")
 
 
-def lossy(rig: Rig, dice: Random, _: int, share: float) -> Trial:
-    """Commands are lost at random: the current ends with the first run of losses that the lease does not bear, and not before.
+def lossy(rig: Rig, rng: Random, _: int, share: float) -> Trial:
+    """Commands are lost at random: the current ends with the first run of losses that is longer than the lease, and not before.
 
     It may also end because too few of the last 100 samples were answered in time.
     """
-    heard, first = played(rig, dice, on("loss", "controller>plant", share), LOSSY_S)
-    bearable = survivable(rig.lease_s())
+    observed, first = played(rig, rng, on("loss", "controller>plant", share), LOSSY_S)
+    allowed = survivable(rig.lease_s())
     run, longest, lost, zero = 0, 0, 0, None
-    for i in range(first + 1, len(heard.samples)):
-        body = heard.samples[i].body
-        if safe(heard.samples[i]):
+    for i in range(first + 1, len(observed.samples)):
+        body = observed.samples[i].body
+        if safe(observed.samples[i]):
             zero = i
             break
         run = run + 1 if body.command_number < body.number - 1 else 0
         lost, longest = lost + (run > 0), max(longest, run)
-    count = (zero or len(heard.samples)) - first - 1
+    count = (zero or len(observed.samples)) - first - 1
     supervisor = rig.status("supervisor")
     cut = supervisor.get("mode") == Mode.TRIPPED.name and supervisor.get("cause") != TripCause.QUALITY.name
-    survived = (1.0 - share ** (bearable + 1)) ** count
+    survived = (1.0 - share ** (allowed + 1)) ** count
     words = (
-        f"{lost} of {count} commands lost, {longest} in a row before the end; the lease bears {bearable}, so that many samples "
-        f"pass with probability {survived:.2g}; {rig.words()}"
+        f"{lost} of {count} commands lost, {longest} in a row before the end; the lease allows {allowed}, so that many samples "
+        f"pass with probability {survived:.2g}; {rig.state()}"
     )
-    return Trial(longest <= bearable and (run == bearable or not cut), words)
+    return Trial(longest <= allowed and (run == allowed or not cut), words)
 
 
 def on(kind: str, target: str, value: float = 0.0, lasts_s: float = 0.0) -> Faults:
     """One fault from its instant on."""
-    return lambda at_s, _lease_s: (Fault(kind, target, at_s, lasts_s, value),)
+    return lambda at_s, _lease_s: (Fault(kind=kind, target=target, at_s=at_s, lasts_s=lasts_s, value=value),)
 
 
 def burst(beyond: int) -> Faults:
-    """So many commands in a row are lost as the lease bears, and `beyond` more."""
-    return lambda at_s, lease_s: (Fault("burst", "controller>plant", at_s, 0.0, float(survivable(lease_s) + beyond)),)
+    """As many commands in a row are lost as the lease allows, and `beyond` more."""
+    return lambda at_s, lease_s: (
+        Fault(kind="burst", target="controller>plant", at_s=at_s, lasts_s=0.0, value=float(survivable(lease_s) + beyond)),
+    )
 
 
 def delayed(share: float) -> Faults:
     """Every command later by this share of the lease."""
-    return lambda at_s, lease_s: (Fault("delay", "controller>plant", at_s, 0.0, 1000.0 * share * lease_s),)
+    return lambda at_s, lease_s: (
+        Fault(kind="delay", target="controller>plant", at_s=at_s, lasts_s=0.0, value=1000.0 * share * lease_s),
+    )
 
 
-def live(rig: Rig, dice: Random, number: int, target: str) -> Trial:
+def live(rig: Rig, rng: Random, number: int, target: str) -> Trial:
     """A partition with the wall clock: from the arrival of the first sample that has it."""
-    at_s = dice.uniform(*AT_S)
+    at_s = rng.uniform(*AT_S)
     fault = Fault("partition", target, at_s)
     experiment = motion(number)._replace(faults=(fault,))
-    rig.started(experiment, dice.randrange(1 << 32))
+    rig.started(experiment, rng.randrange(1 << 32))
     revoked = int(rig.status("plant")["revoked_arming_ids"])
     lease_s = rig.lease_s()
-    rig.await_(lambda: any(_has(m, fault) for m in rig.observer.listen().samples[-20:]), "the partition")
-    heard = rig.observer.listen_for(lease_s + WATCHED_S)
-    blow_ns = next(m.arrival_ns for m in heard.samples if _has(m, fault))
-    return confirmed(rig, judged(heard, blow_ns, lease_and_period(lease_s)), revoked, tripped=True)
+    rig.wait_for(lambda: any(_has(m, fault) for m in rig.observer.listen().samples[-20:]), "the partition")
+    observed = rig.observer.listen_for(lease_s + WATCHED_S)
+    fault_ns = next(m.arrival_ns for m in observed.samples if _has(m, fault))
+    return confirmed(rig, judged(observed, fault_ns, lease_and_period(lease_s)), revoked, tripped=True)
 
 
 def _has(sample: Received, fault: Fault) -> bool:
-    """By its tick, as the services count: with jitter a trial's time wanders off the nominal one by whole periods."""
+    """By its tick, as the services count: with jitter the time of a trial drifts from the nominal one by whole periods."""
     return bool(sample.body.tick >= ticks_of(fault, T_NS)[0])
 
 
@@ -149,6 +153,6 @@ def lease_and_period(lease_s: float) -> float:
     return lease_s + T_S
 
 
-def unheard(lease_s: float) -> float:
+def without_the_controller(lease_s: float) -> float:
     """Of the supervisor, which judges sample n by the controller's message on n - 1 and in whole samples: lease + 3 T."""
     return lease_s + 3.0 * T_S

@@ -2,42 +2,54 @@
 
 from functools import partial
 
-from hydrohil.faulttest.loads import hogged, strangers
-from hydrohil.faulttest.lockstep import T_S, borne, burst, delayed, lease_and_period, live, lossy, on, stopped, unheard
+from hydrohil.faulttest.loads import foreign_frames, hogged
+from hydrohil.faulttest.lockstep import (
+    T_S,
+    burst,
+    delayed,
+    lease_and_period,
+    live,
+    lossy,
+    on,
+    stopped,
+    tolerated,
+    without_the_controller,
+)
 from hydrohil.faulttest.processes import frozen
-from hydrohil.faulttest.trial import Lived, Proved, Row, Untried
+from hydrohil.faulttest.trial import ByTests, Live, NotTried, Row
 from hydrohil.shared.contract.faults import CUTS, PATHS
 
 STEPPED = "lockstep: "
 LEASE_T = "lease + T"
 UNTIL_100_S = 100 * T_S
-UNHEARD = ("controller>supervisor", "controller-supervisor")  # permit and command still come: only the supervisor acts
+# permit and command still arrive: only the supervisor acts
+WITHOUT_CONTROLLER = ("controller>supervisor", "controller-supervisor")
 
 
-def _partition(target: str) -> Lived:
-    bound = unheard if target in UNHEARD else lease_and_period
-    return Lived(f"{STEPPED}{target}", partial(stopped, faults=on("partition", target), bound=bound), letter="L", most=2)
+def _partition(target: str) -> Live:
+    bound = without_the_controller if target in WITHOUT_CONTROLLER else lease_and_period
+    return Live(f"{STEPPED}{target}", partial(stopped, faults=on("partition", target), bound=bound), letter="L", max_trials=2)
 
 
-def _live(target: str) -> Lived:
-    return Lived(f"{target}, on the wall clock", partial(live, target=target))
+def _live(target: str) -> Live:
+    return Live(f"{target}, on the wall clock", partial(live, target=target))
 
 
-def _lossy(share: float) -> Lived:
+def _lossy(share: float) -> Live:
     words = f"{STEPPED}{100 * share:g} % of the commands"
-    return Lived(words, partial(lossy, share=share), letter="L", most=5)
+    return Live(words, partial(lossy, share=share), letter="L", max_trials=5)
 
 
 WIRE = (
     Row(
-        "8",
-        "partition, one way and both",
-        "safe without command or permit; nothing resumes",
-        "lease + T; lease + 3 T where only the supervisor misses the controller",
-        (
+        number="8",
+        fault="partition, one way and both",
+        must="safe without command or permit; nothing resumes",
+        bound="lease + T; lease + 3 T where only the supervisor misses the controller",
+        ways=(
             *map(_partition, (*PATHS, *CUTS)),
             *map(_live, ("controller>plant", "supervisor>plant", "plant-controller")),
-            Proved(
+            ByTests(
                 "a link cut for real, its packets dropped by the kernel",
                 (
                     "tests/live/test_namespaces.py::test_a_link_that_is_cut_for_real_leaves_the_valves_at_zero_and_nothing_resumes",
@@ -45,7 +57,7 @@ WIRE = (
                 ),
                 letter="W",
             ),
-            Proved(
+            ByTests(
                 "services on hosts of their own (network namespaces), a cable pulled",
                 ("tests/live/test_hosts.py::test_a_host_whose_cable_is_pulled_leaves_the_valves_at_zero_and_nothing_resumes",),
                 letter="W",
@@ -53,37 +65,40 @@ WIRE = (
         ),
     ),
     Row(
-        "9",
-        "random loss of 1, 5, 20 %",
-        "runs on until a run of losses that the lease does not bear, or too few of the last 100 answered in time",
-        "exact",
-        (*map(_lossy, (0.01, 0.05, 0.2)),),
+        number="9",
+        fault="random loss of 1, 5, 20 %",
+        must="runs on until a run of losses that is longer than the lease, or too few of the last 100 answered in time",
+        bound="exact",
+        ways=(*map(_lossy, (0.01, 0.05, 0.2)),),
     ),
     Row(
-        "10",
-        "burst loss",
-        "up to the lease the last command holds; one more is safe",
-        "exact",
-        (
-            Lived(f"{STEPPED}as many as the lease bears", partial(borne, faults=burst(0)), letter="L", most=3),
-            Lived(
-                f"{STEPPED}one more", partial(stopped, faults=burst(1), bound=lambda lease_s: lease_s + T_S), letter="L", most=3
+        number="10",
+        fault="burst loss",
+        must="up to the lease the last command holds; one more is safe",
+        bound="exact",
+        ways=(
+            Live(f"{STEPPED}as many as the lease allows", partial(tolerated, faults=burst(0)), letter="L", max_trials=3),
+            Live(
+                f"{STEPPED}one more",
+                partial(stopped, faults=burst(1), bound=lambda lease_s: lease_s + T_S),
+                letter="L",
+                max_trials=3,
             ),
         ),
     ),
     Row(
-        "11",
-        "duplicate, replayed, reordered, of an older epoch",
-        "discarded and counted",
-        "0 effect",
-        (
-            Lived(
+        number="11",
+        fault="duplicate, replayed, reordered, of an older epoch",
+        must="discarded and counted",
+        bound="0 effect",
+        ways=(
+            Live(
                 f"{STEPPED}one duplicate",
-                partial(borne, faults=on("duplicate", "controller>plant", 1.0, T_S)),
+                partial(tolerated, faults=on("duplicate", "controller>plant", 1.0, T_S)),
                 letter="L",
-                most=2,
+                max_trials=2,
             ),
-            Proved(
+            ByTests(
                 "only what is newer is taken; an epoch once left never returns",
                 (
                     "tests/shared/transport/test_acceptance.py::test_what_is_taken_is_increasing_within_an_epoch_and_no_epoch_returns",
@@ -93,18 +108,18 @@ WIRE = (
         ),
     ),
     Row(
-        "12",
-        "corrupted bits",
-        "discarded and counted; more than one a second of a bound sender: safe",
-        "T after the second that still names its sender; at most lease + T",
-        (
-            Lived(
+        number="12",
+        fault="corrupted bits",
+        must="discarded and counted; more than one a second of a bound sender: safe",
+        bound="T after the second that still names its sender; at most lease + T",
+        ways=(
+            Live(
                 f"{STEPPED}every command corrupt",
                 partial(stopped, faults=on("corrupt", "controller>plant", 1.0), bound=lease_and_period),
                 letter="L",
-                most=2,
+                max_trials=2,
             ),
-            Proved(
+            ByTests(
                 "every flipped bit is found; one a second is survived, a second one cuts and revokes",
                 (
                     "tests/shared/contract/test_codec.py::test_every_flipped_bit_of_a_frame_is_a_checksum_error",
@@ -114,14 +129,14 @@ WIRE = (
         ),
     ),
     Row(
-        "13",
-        "foreign, malformed, oversized, random, 10,000 a second; two publishers",
-        "discarded and counted, never stops a cell; a second sender under a bound identity: safe",
-        "0 / T",
-        (
-            Lived("foreign commands, as many as one process can send, up to 10,000 a second", strangers),
-            Proved(
-                "no bytes raise, strangers stop nobody, two senders shut the gate",
+        number="13",
+        fault="foreign, malformed, oversized, random, 10,000 a second; two publishers",
+        must="discarded and counted, never stops a cell; a second sender under a bound identity: safe",
+        bound="0 / T",
+        ways=(
+            Live("foreign commands, as many as one process can send, up to 10,000 a second", foreign_frames),
+            ByTests(
+                "no bytes raise, foreign frames stop no cell, two senders shut the gate",
                 (
                     "tests/shared/contract/test_codec.py::test_no_bytes_make_the_decoder_raise",
                     "tests/shared/contract/test_codec.py::test_no_array_makes_the_decoder_raise",
@@ -133,55 +148,60 @@ WIRE = (
         ),
     ),
     Row(
-        "14",
-        "delay and jitter",
-        "what is older than the lease is unusable",
-        "lease",
-        (
-            Lived(f"{STEPPED}a delay that is over before the latch", partial(borne, faults=delayed(0.1)), letter="L", most=2),
-            Lived(
+        number="14",
+        fault="delay and jitter",
+        must="what is older than the lease is unusable",
+        bound="lease",
+        ways=(
+            Live(
+                f"{STEPPED}a delay shorter than the time to the latch",
+                partial(tolerated, faults=delayed(0.1)),
+                letter="L",
+                max_trials=2,
+            ),
+            Live(
                 f"{STEPPED}half a lease: too few answers in time",
                 partial(stopped, faults=delayed(0.5), bound=lambda _lease_s: UNTIL_100_S),
                 letter="L",
-                most=2,
+                max_trials=2,
             ),
-            Lived(
+            Live(
                 f"{STEPPED}a delay of more than a lease",
                 partial(stopped, faults=delayed(1.1), bound=lease_and_period),
                 letter="L",
-                most=2,
+                max_trials=2,
             ),
         ),
     ),
     Row(
-        "15",
-        "wall clock stepped; process suspended",
-        "no effect; safe on waking",
-        "0 / T after waking",
-        (
-            Proved(
+        number="15",
+        fault="wall clock stepped; process suspended",
+        must="no effect; safe on waking",
+        bound="0 / T after waking",
+        ways=(
+            ByTests(
                 "no service of the loop reads the wall clock", ("tests/test_architecture.py::test_the_loop_reads_no_wall_clock",)
             ),
-            Untried("the clock of this machine is not set: others live by it"),
-            Lived(
+            NotTried("the clock of this machine is not set: other programs depend on it"),
+            Live(
                 "a process suspended and woken (the controller; others in rows 4 and 5b)",
                 partial(frozen, service="controller"),
-                most=5,
+                max_trials=5,
             ),
         ),
     ),
     Row(
-        "16",
-        "overruns, CPU hogs, memory pressure",
-        "counted; the lease decides; true time is used",
-        "lease",
-        (
-            Lived("twice as many hogs as processors", hogged),
-            Proved(
+        number="16",
+        fault="overruns, CPU hogs, memory pressure",
+        must="counted; the lease decides; true time is used",
+        bound="lease",
+        ways=(
+            Live("twice as many hogs as processors", hogged),
+            ByTests(
                 "a gap is integrated with its true time",
                 ("tests/controller/test_step.py::test_a_gap_while_running_is_integrated_with_the_true_time_between_samples",),
             ),
-            Untried(
+            NotTried(
                 "memory pressure: a shared machine is not driven out of memory; services lock theirs where the host grants it"
             ),
         ),

@@ -1,4 +1,4 @@
-"""The two motions that the battery breaks: a swing in free space, and a force that rises and falls on the stiff plate."""
+"""The two motions of the fault test: a swing in free space, and a force that rises and falls on the stiff plate."""
 
 import math
 
@@ -6,29 +6,40 @@ from hydrohil.experiment.experiment import Experiment
 from hydrohil.experiment.sections import ControllerConfig, Environment, ImpedanceConfig, Segment
 from hydrohil.thesis.chapter5 import PRELOAD_N, STIFF_ESTIMATE_N_PER_M, STIFF_N_PER_M, plate, sampled
 
-LONG_S = 60.0  # no trial of the battery reaches its end
+LONG_S = 60.0  # no trial of the fault test reaches its end
 BIAS_S = 0.5  # short, so that many trials fit into a quarter of an hour
 SWING = Experiment(
-    name="battery-swing",
-    alias="battery-swing",
+    name="faults-swing",
+    alias="faults-swing",
     title="The up/down link swings in free space, its valve never at rest for long",
-    source="the battery",
+    source="the fault test",
     duration_s=LONG_S,
     plant=sampled(Environment())._replace(bias_s=BIAS_S),
     controller=ControllerConfig(target="joint"),
-    reference=(Segment("q2", "sine", 0.0, LONG_S, 0.1, frequency_hz=0.5),),
+    reference=(Segment(channel="q2", kind="sine", start_s=0.0, duration_s=LONG_S, amount=0.1, frequency_hz=0.5),),
 )
 PRESS = Experiment(
-    name="battery-press",
-    alias="battery-press",
+    name="faults-press",
+    alias="faults-press",
     title="A force from 50 to 250 N on the stiff plate, as in chapter 5 but five times as fast",
-    source="the battery",
+    source="the fault test",
     duration_s=LONG_S,
     plant=plate(STIFF_N_PER_M, PRELOAD_N)._replace(bias_s=BIAS_S),
-    controller=ControllerConfig(impedance=ImpedanceConfig(500.0, 50e3, 1.2, "net", STIFF_ESTIMATE_N_PER_M, True)),
+    controller=ControllerConfig(
+        impedance=ImpedanceConfig(
+            mass_kg=500.0,
+            stiffness_n_per_m=50e3,
+            damping_ratio=1.2,
+            damping="net",
+            environment_n_per_m=STIFF_ESTIMATE_N_PER_M,
+            setpoint_compensation=True,
+        )
+    ),
     reference=(
         Segment("force", "step", amount=50.0),
-        Segment("force", "sine", 0.0, LONG_S, 100.0, frequency_hz=0.5, phase_rad=-math.pi / 2.0),
+        Segment(
+            channel="force", kind="sine", start_s=0.0, duration_s=LONG_S, amount=100.0, frequency_hz=0.5, phase_rad=-math.pi / 2.0
+        ),
     ),
 )
 

@@ -1,6 +1,6 @@
-"""An ear on the cell: samples, the gate's decisions, permits and commands, stamped on the monotonic clock as they arrive.
+"""An observer of the cell: samples, the gate's decisions, permits and commands, stamped on the monotonic clock as they arrive.
 
-Every time that is measured here includes the message's way to the observer.
+Every time that is measured here includes the transport of the message to the observer.
 """
 
 import math
@@ -17,7 +17,7 @@ from hydrohil.shared.transport.inbox import Inbox
 from hydrohil.shared.units import NS_PER_S
 
 RING = 8192
-STEADY = 20  # samples that tell an offset
+STEADY = 20  # samples from which an offset is taken
 ZERO = (ZERO_CODE, ZERO_CODE, ZERO_CODE)
 _MOVING = (GateState.OPEN, GateState.RECOVERING)
 
@@ -27,8 +27,8 @@ def safe(sample: Received) -> bool:
     return sample.body.dac_counts == ZERO and sample.body.gate not in _MOVING
 
 
-class Heard(NamedTuple):
-    """Everything since the last trial began, in the order of arrival."""
+class Observation(NamedTuple):
+    """Every message since the trial began, in the order of arrival."""
 
     samples: list[Received]
     ground_truths: list[Received]
@@ -44,26 +44,26 @@ class Observer:
         """Subscribe."""
         keys = ("plant/sample", "plant/ground_truth", "plant/gate", "supervisor/permit", "controller/command")
         self._inboxes: tuple[Inbox, ...] = tuple(bus.subscribe(key, RING) for key in keys)
-        self.heard = Heard([], [], [], [], [])
+        self.observed = Observation([], [], [], [], [])
 
-    def forget(self) -> None:
-        """A trial begins."""
+    def clear(self) -> None:
+        """Drop every message: a trial begins."""
         self.listen()
-        self.heard = Heard([], [], [], [], [])
+        self.observed = Observation([], [], [], [], [])
 
-    def listen(self) -> Heard:
+    def listen(self) -> Observation:
         """Take in what has arrived."""
-        for messages, inbox in zip(self.heard, self._inboxes, strict=True):
+        for messages, inbox in zip(self.observed, self._inboxes, strict=True):
             messages.extend(inbox.take())
-        return self.heard
+        return self.observed
 
-    def listen_for(self, seconds: float) -> Heard:
+    def listen_for(self, seconds: float) -> Observation:
         """Go on listening for so long."""
         until = time.monotonic() + seconds
         while (left := until - time.monotonic()) > 0.0:
             time.sleep(min(0.005, left))
             self.listen()
-        return self.heard
+        return self.observed
 
 
 def since(messages: Sequence[Received], instant_ns: int) -> list[Received]:
@@ -71,36 +71,36 @@ def since(messages: Sequence[Received], instant_ns: int) -> list[Received]:
     return [message for message in messages if message.arrival_ns >= instant_ns]
 
 
-def zero_at(heard: Heard, blow_ns: int) -> int | None:
-    """Arrival of the first word of zero current after the blow: the gate's own, or a sample's."""
-    told = [m.arrival_ns for m in since(heard.gates, blow_ns) if m.body.state not in _MOVING]
-    told += [m.arrival_ns for m in since(heard.samples, blow_ns) if safe(m)]
-    return min(told, default=None)
+def zero_at(observed: Observation, fault_ns: int) -> int | None:
+    """Arrival of the first message that shows zero current after the fault: the gate's own, or a sample."""
+    arrivals = [m.arrival_ns for m in since(observed.gates, fault_ns) if m.body.state not in _MOVING]
+    arrivals += [m.arrival_ns for m in since(observed.samples, fault_ns) if safe(m)]
+    return min(arrivals, default=None)
 
 
-def unsafe_after(heard: Heard, instant_ns: int) -> int:
+def unsafe_after(observed: Observation, instant_ns: int) -> int:
     """Samples that are not safe although they arrived later than the first safe one after an instant."""
-    later = since(heard.samples, instant_ns)
+    later = since(observed.samples, instant_ns)
     first = next((number for number, sample in enumerate(later) if safe(sample)), len(later))
     return sum(not safe(sample) for sample in later[first:])
 
 
-def stalled_s(heard: Heard, blow_ns: int) -> float:
-    """By how much the plant's grid has shifted against the wall clock since the blow: it stood still, and so did its machine.
+def stalled_s(observed: Observation, fault_ns: int) -> float:
+    """By how much the plant's grid has shifted against the wall clock since the fault: it stood still, and so did its machine.
 
-    A shift stays; a single message that comes late is none. So: the usual offset before, the smallest one after.
+    A shift stays, and a single late message is no shift: the smallest offset after the fault is set against the usual one before.
     """
-    before = [m.arrival_ns - m.body.time_ns for m in heard.samples if m.arrival_ns < blow_ns][-STEADY:]
-    later = since(heard.samples, blow_ns)
+    before = [m.arrival_ns - m.body.time_ns for m in observed.samples if m.arrival_ns < fault_ns][-STEADY:]
+    later = since(observed.samples, fault_ns)
     first = next((number for number, sample in enumerate(later) if safe(sample)), len(later))
     after = [m.arrival_ns - m.body.time_ns for m in later[first : first + STEADY]]
     return max(0.0, min(after) - median(before)) / NS_PER_S if before and after else 0.0
 
 
-def moved(heard: Heard, blow_ns: int) -> tuple[float, float]:
-    """Largest way of the tip (mm) and change of the contact force (N) from the blow on; by what only an emulator knows."""
-    before = [ground_truth for ground_truth in heard.ground_truths if ground_truth.arrival_ns < blow_ns]
-    after = [ground_truth.body for ground_truth in since(heard.ground_truths, blow_ns)]
+def moved(observed: Observation, fault_ns: int) -> tuple[float, float]:
+    """Largest distance of the tip (mm) and change of the contact force (N) since the fault, from the ground truth."""
+    before = [ground_truth for ground_truth in observed.ground_truths if ground_truth.arrival_ns < fault_ns]
+    after = [ground_truth.body for ground_truth in since(observed.ground_truths, fault_ns)]
     if not before or not after:
         return math.nan, math.nan
     start = before[-1].body
@@ -110,17 +110,17 @@ def moved(heard: Heard, blow_ns: int) -> tuple[float, float]:
     )
 
 
-def hops(heard: Heard, instant_ns: int) -> tuple[tuple[str, float], ...]:
+def hops(observed: Observation, instant_ns: int) -> tuple[tuple[str, float], ...]:
     """Milliseconds of each hop at an instant: how old the newest answers are, and what the last full round took."""
-    sent = {m.body.number: m.arrival_ns for m in heard.samples if m.arrival_ns <= instant_ns}
+    sent = {m.body.number: m.arrival_ns for m in observed.samples if m.arrival_ns <= instant_ns}
     found = []
-    for name, messages in (("command", heard.commands), ("permit", heard.permits)):
+    for name, messages in (("command", observed.commands), ("permit", observed.permits)):
         known = [m for m in messages if m.arrival_ns <= instant_ns and m.header.echo_number in sent]
         if known:
             number = known[-1].header.echo_number
             found.append((f"sample to {name}", (known[-1].arrival_ns - sent[number]) / 1e6))
             found.append((f"age of the newest {name}'s sample", (instant_ns - sent[number]) / 1e6))
-    accepted = [m.body.command_age_ns for m in heard.samples if m.arrival_ns <= instant_ns and m.body.tick != NO_TRIAL]
+    accepted = [m.body.command_age_ns for m in observed.samples if m.arrival_ns <= instant_ns and m.body.tick != NO_TRIAL]
     if accepted:
         found.append(("sample to accepted", accepted[-1] / 1e6))
     return tuple(found)

@@ -1,4 +1,4 @@
-"""Start orders and late joiners (row 29): the cell becomes ready and arms in any order; no current before."""
+"""Start orders and restarts (row 29): the cell becomes ready and arms in any order; no current before."""
 
 import itertools
 import time
@@ -14,12 +14,12 @@ from hydrohil.shared.contract.topics import SERVICES
 from hydrohil.shared.transport.bus import Bus
 
 ORDERS = tuple(itertools.permutations(SERVICES))
-PAUSE_S = 0.3  # between two starts: long enough that a service waits for the next
+PAUSE_S = 0.3  # between two starts, at most: a service then waits for the next
 PATIENCE_S = 10.0
-PORTS = 4  # of the battery's own cell, whose neighbour this cell is
+PORTS = 4  # of the fault test's own cell; this cell uses those behind them
 
 
-def started_in_order(rig: Rig, dice: Random, number: int) -> Trial:
+def in_start_order(rig: Rig, rng: Random, number: int) -> Trial:
     """The four services by hand, in one of the 24 orders; every order comes once before one comes again."""
     order = Random(str(rig.place.cell)).sample(ORDERS, len(ORDERS))[number % len(ORDERS)]
     place = rig.place._replace(cell=f"{rig.place.cell}-orders", port=rig.place.port + PORTS)
@@ -27,7 +27,7 @@ def started_in_order(rig: Rig, dice: Random, number: int) -> Trial:
     try:
         for service in order:
             started |= cells.start(place, (service,), with_parent=True, extra=rig.extra)
-            time.sleep(dice.uniform(0.0, PAUSE_S))
+            time.sleep(rng.uniform(0.0, PAUSE_S))
         return _armed(place, started, order)
     finally:
         cells.stop(process.pid for process in started.values())
@@ -41,9 +41,9 @@ def _armed(place: cells.Place, started: cells.Processes, order: tuple[str, ...])
         load(bus, SWING, 0, "real", unqualified=True)
         arm(bus)
         seconds = time.monotonic() - complete
-        heard = observer.listen()
+        observed = observer.listen()
         present = _comes(bus, "recorder")
-    unsafe = sum(not safe(sample) for sample in heard.samples)
+    unsafe = sum(not safe(sample) for sample in observed.samples)
     dead = [service for service, process in started.items() if process.poll() is not None]
     words = f"{', '.join(order)}: armed {seconds:.2f} s after the last start, {unsafe} samples with current before"
     words += "" if present else "; the recorder does not answer"
@@ -51,7 +51,7 @@ def _armed(place: cells.Place, started: cells.Processes, order: tuple[str, ...])
 
 
 def _comes(bus: Bus, service: str) -> bool:
-    """Whether a service answers; the loop does not wait for the recorder, so it may still be starting."""
+    """Whether a service answers in time; the loop does not wait for the recorder, so it may still be starting."""
     deadline = time.monotonic() + PATIENCE_S
     while time.monotonic() < deadline:
         if cells.statuses(bus, (service,)):
@@ -60,15 +60,15 @@ def _comes(bus: Bus, service: str) -> bool:
     return False
 
 
-def rejoined(rig: Rig, dice: Random, number: int) -> Trial:
+def rejoined(rig: Rig, rng: Random, number: int) -> Trial:
     """One service ends and starts anew in a cell at rest: no current, and the cell arms again."""
     service = SERVICES[number % len(SERVICES)]
-    rig.calm()
-    rig.observer.forget()
+    rig.reset()
+    rig.observer.clear()
     rig.processes[service].terminate()
     rig.processes[service].wait()
-    time.sleep(dice.uniform(0.0, PAUSE_S))
-    rig.revive()
+    time.sleep(rng.uniform(0.0, PAUSE_S))
+    rig.restart_ended()
     load(rig.bus, SWING, 0, "real", unqualified=True)
     arm(rig.bus)
     present = _comes(rig.bus, service)

@@ -8,7 +8,7 @@ from jinja2 import ChoiceLoader, Environment, PackageLoader
 
 from hydrohil.claims.study import Curve, Panel
 from hydrohil.faulttest.report import Report, amount, first_failure, milliseconds
-from hydrohil.faulttest.tally import FAILED, HELD, UNTRIED, Tried, counts
+from hydrohil.faulttest.tally import FAILED, HELD, NOT_TRIED, WayResult, counts
 from hydrohil.pages.drawing import svg
 from hydrohil.pages.panels import Picture
 from hydrohil.reproduction import formatting as words
@@ -27,7 +27,7 @@ def page(report: Report) -> str:
         counts=counts(report.results),
         HELD=HELD,
         FAILED=FAILED,
-        UNTRIED=UNTRIED,
+        NOT_TRIED=NOT_TRIED,
         milliseconds=milliseconds,
         amount=amount,
         first_failure=first_failure,
@@ -36,7 +36,7 @@ def page(report: Report) -> str:
     )
 
 
-def histogram(tried: Tried, key: str) -> str:
+def histogram(tried: WayResult, key: str) -> str:
     """Reaction times of all trials and their bound, as an SVG element; "" where there are too few."""
     reactions = np.array([1000.0 * t.reaction_s for t in tried.trials if math.isfinite(t.reaction_s)])
     bound_ms = 1000.0 * tried.worst("bound_s")
@@ -49,5 +49,5 @@ def histogram(tried: Tried, key: str) -> str:
         Curve("trials", *outline),
         Curve(BOUND, np.array([bound_ms, bound_ms]), np.array([0.0, float(number.max())])),
     )
-    panel = Panel("from the blow to zero current, ms", "trials", curves)
+    panel = Panel("from the fault to zero current, ms", "trials", curves)
     return svg(Picture("", (panel,)), key, f"Reaction times of {tried.way.words} against their bound")

@@ -1,28 +1,28 @@
-"""All that the battery found, as data: for the page, the JUnit file, and a machine."""
+"""The results of a fault test as data: for the page, the JUnit file, and a machine."""
 
 import json
 import math
 from typing import Any, NamedTuple
 
-from hydrohil.faulttest.tally import FAILED, HELD, UNTRIED, Result, Tried, counts
+from hydrohil.faulttest.tally import FAILED, HELD, NOT_TRIED, RowResult, WayResult, counts
 from hydrohil.faulttest.trial import Trial
 from hydrohil.shared.exit_status import EXIT_CLAIM, EXIT_OK
 
 
 class Report(NamedTuple):
-    """Every row, and how it was made."""
+    """Every row, and how it was tried."""
 
-    results: tuple[Result, ...]
+    results: tuple[RowResult, ...]
     trials: int
     seed: int
     lease_ms: float  # NaN: no cell was needed
     interrupted: bool
     source_version: str
-    made: str  # date and time
+    created_at: str  # date and time
     duration_s: float
     machine: str
-    command: str
-    begun_again: tuple[str, ...]  # trials that ended by themselves before their fault
+    restarted: tuple[str, ...]  # trials that ended by themselves before their fault
+    command: str = ""  # the command line that has run it
 
     @property
     def exit_status(self) -> int:
@@ -33,9 +33,9 @@ class Report(NamedTuple):
     def headline(self) -> str:
         """How many rows held, failed, were not tried."""
         found = counts(self.results)
-        told = f"{found[HELD]} of {len(self.results)} faults survived"
-        told += f", {found[FAILED]} NOT" if found[FAILED] else ""
-        return told + (f", {found[UNTRIED]} not tried" if found[UNTRIED] else "")
+        line = f"{found[HELD]} of {len(self.results)} faults survived"
+        line += f", {found[FAILED]} NOT" if found[FAILED] else ""
+        return line + (f", {found[NOT_TRIED]} not tried" if found[NOT_TRIED] else "")
 
 
 def milliseconds(seconds: float) -> str:
@@ -48,23 +48,23 @@ def amount(value: float) -> str:
     return f"{value:.3g}" if math.isfinite(value) else "-"
 
 
-def first_failure(tried: Tried) -> str:
+def first_failure(tried: WayResult) -> str:
     """What happened in the first trial that did not hold."""
     return next((trial.words for trial in tried.trials if not trial.held), tried.why)
 
 
 def to_json(report: Report) -> str:
     """The report for a machine."""
-    told = {
+    values = {
         name: value if not isinstance(value, float) else _number(value)
         for name, value in report._asdict().items()
         if name != "results"
     }
-    told |= {"exit_status": report.exit_status, "rows": [_row(result) for result in report.results]}
-    return json.dumps(told, indent=2, allow_nan=False) + "\n"
+    values |= {"exit_status": report.exit_status, "rows": [_row(result) for result in report.results]}
+    return json.dumps(values, indent=2, allow_nan=False) + "\n"
 
 
-def _row(result: Result) -> dict[str, Any]:
+def _row(result: RowResult) -> dict[str, Any]:
     row = result.row
     return {
         "number": row.number,
@@ -76,7 +76,7 @@ def _row(result: Result) -> dict[str, Any]:
     }
 
 
-def _way(tried: Tried) -> dict[str, Any]:
+def _way(tried: WayResult) -> dict[str, Any]:
     return {
         "way": tried.way.letter,
         "words": tried.way.words,

@@ -1,4 +1,4 @@
-"""The battery's own cell: brought up when first needed, made whole again after every trial, gone at the end."""
+"""The fault test's own cell: brought up when first needed, repaired after every trial, stopped at the end."""
 
 import math
 import os
@@ -22,7 +22,7 @@ OBSERVER_PRIORITY = 60  # above the services: it works for microseconds a sample
 RETRIES = 3
 LOCKSTEP_LEASE_MS = "20"
 SETTLE_S = 0.3  # from tick 0 until the swing is under way
-PHASES_S = 0.6  # the blow falls anywhere in this stretch
+PHASES_S = 0.6  # the fault begins anywhere in this stretch
 HOLD_EVERY_S, RECOVER_S = 0.05, 0.5  # a hold-to-run request is repeated, until the force is gone
 _POLL_S = 0.002
 Extra = dict[str, list[str]]
@@ -34,7 +34,7 @@ def lockstep_extra(extra: Extra) -> Extra:
     return extra | {"plant": [*common, "--permit-ttl-ms", LOCKSTEP_LEASE_MS]}
 
 
-def hear_promptly() -> bool:
+def raise_priority() -> bool:
     """Real-time scheduling for every thread of this process, none for what it starts; False if the host refuses."""
     try:
         for thread in os.listdir("/proc/self/task"):
@@ -47,9 +47,9 @@ def hear_promptly() -> bool:
 class Rig:
     """A cell, its processes, an observer, and what happened to trials that no fault ended."""
 
-    def __init__(self, place: cells.Place, extra: Extra, say: Callable[[str], None]) -> None:
-        """Nothing is started before it is needed."""
-        self.place, self.extra, self.say = place, extra, say
+    def __init__(self, place: cells.Place, extra: Extra, restarted: Callable[[str], None]) -> None:
+        """Nothing is started before it is needed; `restarted` gets a line for each trial that is started again."""
+        self.place, self.extra, self.restarted = place, extra, restarted
         self.processes: cells.Processes = {}
         self._stack = ExitStack()
         self._bus: Bus | None = None
@@ -75,12 +75,12 @@ class Rig:
             found = cells.await_ready(self.place, self._bus, self.processes)
             self.lease_ms = float(found["plant"]["lease_ms"])
             if "--no-realtime" not in self.extra.get("plant", ()):
-                self.prompt = hear_promptly()
+                self.prompt = raise_priority()
         return self._bus
 
     @property
     def observer(self) -> Observer:
-        """The ear on the cell."""
+        """The observer of the cell."""
         if self._observer is None:
             self._observer = Observer(self.bus)
         return self._observer
@@ -90,17 +90,17 @@ class Rig:
         return cells.ask(self.bus, service, verb, **arguments)
 
     def status(self, service: str) -> dict[str, Any]:
-        """What a service says of itself; empty without an answer."""
+        """The status of a service; empty without an answer."""
         return cells.statuses(self.bus, (service,)).get(service, {})
 
-    def revive(self) -> None:
-        """Start again whatever has ended and wait until the cell is whole."""
+    def restart_ended(self) -> None:
+        """Start again whatever has ended and wait until every service is ready."""
         gone = [service for service, process in self.processes.items() if process.poll() is not None]
         self.processes |= cells.start(self.place, gone, with_parent=True, extra=self.extra)
         cells.await_ready(self.place, self.bus, self.processes)
 
-    def calm(self) -> None:
-        """Disarmed and reset, whatever came before; a force that stands is unloaded first. Raises CellError."""
+    def reset(self) -> None:
+        """Disarm and reset, whatever came before; a force that remains is unloaded first. Raises CellError."""
         deadline = time.monotonic() + PATIENCE_S
         while True:
             try:
@@ -114,7 +114,7 @@ class Rig:
                 self.recover(RECOVER_S)
 
     def recover(self, seconds: float) -> int:
-        """Hold to run for so long, then release; where that is refused, only wait a moment. The instant of the release, in ns."""
+        """Hold to run for `seconds`, then release; returns the instant of the release in ns. A refused hold ends at once."""
         until = time.monotonic() + seconds
         while time.monotonic() < until:
             answer = self.bus.ask("supervisor", "recover", {}, 1.0)
@@ -125,8 +125,8 @@ class Rig:
         self.bus.ask("supervisor", "release", {}, 1.0)
         return released_ns
 
-    def renew(self) -> None:
-        """A cell that a trial has left in disorder is ended, and a new one stands in its place."""
+    def restart_all(self) -> None:
+        """Stop every process of the cell and start new ones."""
         self.thaw()
         cells.stop(process.pid for process in self.processes.values())
         self.processes = cells.start(self.place, SERVICES, with_parent=True, extra=self.extra)
@@ -134,28 +134,28 @@ class Rig:
 
     def started(self, experiment: Experiment, seed: int, clock: str = "real") -> int:
         """Load, arm and start; the number of the run. Raises CellError."""
-        self.calm()
+        self.reset()
         run = load(self.bus, experiment, seed, clock, unqualified=True).run  # faults are tried on any host
         arm(self.bus)
-        self.observer.forget()
+        self.observer.clear()
         self.ask("supervisor", "start")
         return run
 
-    def moving(self, experiment: Experiment, dice: Random) -> None:
-        """A trial whose valves move, at a random phase; one that ends before the fault is said and begun again."""
+    def moving(self, experiment: Experiment, rng: Random) -> None:
+        """A trial whose valves move, at a random phase; one that ends before the fault is reported and started again."""
         for _ in range(RETRIES):
             try:
-                return self._moving(experiment, dice)
+                return self._moving(experiment, rng)
             except cells.CellError as error:
-                self.say(f"begun again: {error}")
-        return self._moving(experiment, dice)
+                self.restarted(f"started again: {error}")
+        return self._moving(experiment, rng)
 
-    def _moving(self, experiment: Experiment, dice: Random) -> None:
-        self.started(experiment, dice.randrange(1 << 32))
-        self.await_(lambda: self._tick() >= 0, "the trial's first tick")
-        self.observer.listen_for(SETTLE_S + dice.uniform(0.0, PHASES_S))
-        self.await_(self._driven, "a valve off zero")
-        time.sleep(dice.uniform(0.0, 0.001 * experiment.plant.sample_period_substeps * 0.05))  # any phase of the period
+    def _moving(self, experiment: Experiment, rng: Random) -> None:
+        self.started(experiment, rng.randrange(1 << 32))
+        self.wait_for(lambda: self._tick() >= 0, "the trial's first tick")
+        self.observer.listen_for(SETTLE_S + rng.uniform(0.0, PHASES_S))
+        self.wait_for(self._driven, "a valve off zero")
+        time.sleep(rng.uniform(0.0, 0.001 * experiment.plant.sample_period_substeps * 0.05))  # any phase of the period
         self.observer.listen()
 
     def _tick(self) -> int:
@@ -165,16 +165,16 @@ class Rig:
     def _driven(self) -> bool:
         return bool(self.observer.listen().samples[-1].body.dac_counts != ZERO)
 
-    def await_(self, condition: Callable[[], bool], what: str, patience_s: float = PATIENCE_S) -> None:
-        """Until `condition`; raises CellError that names what never came and what the cell says."""
+    def wait_for(self, condition: Callable[[], bool], what: str, patience_s: float = PATIENCE_S) -> None:
+        """Wait until `condition`. Raises CellError that names what did not come, and the state of the cell."""
         deadline = time.monotonic() + patience_s
         while not condition():
             if time.monotonic() > deadline:
-                raise cells.CellError(f"{what} did not come within {patience_s:g} s: {self.words()}")
+                raise cells.CellError(f"{what} did not come within {patience_s:g} s: {self.state()}")
             time.sleep(_POLL_S)
 
-    def words(self) -> str:
-        """What supervisor and gate say."""
+    def state(self) -> str:
+        """State of supervisor and gate in words."""
         supervisor, plant = self.status("supervisor"), self.status("plant")
         return f"{supervisor.get('mode')}, {supervisor.get('words') or 'no trip'}; last cut {plant.get('last_cut')}"
 
@@ -184,7 +184,7 @@ class Rig:
         return self.lease_ms / 1000.0
 
     def thaw(self) -> None:
-        """Let every process go on."""
+        """Send SIGCONT to every process."""
         for process in self.processes.values():
             with suppress(ProcessLookupError):
                 process.send_signal(signal.SIGCONT)

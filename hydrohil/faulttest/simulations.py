@@ -23,7 +23,7 @@ from hydrohil.simulation.rollout import Outcome, play_local
 from hydrohil.simulation.tips import tips_m
 
 PLAYED_S = 6.0
-FIRST_S, LAST_S = 1.5, 3.5  # the fault begins somewhere between
+FIRST_S, LAST_S = 1.5, 3.5  # the fault begins between these
 LINK = 1  # down/up, which swings
 MOVES_WITHIN_S = MOVES_WITHIN_NS / NS_PER_S
 MOTIONS = {"swing": SWING, "press": PRESS}
@@ -59,7 +59,7 @@ def period_s(experiment: Experiment) -> float:
     return experiment.plant.sample_period_substeps * SUBSTEP_S
 
 
-def broken(seed: int, motion: str, faults: Callable[[float], tuple[Fault, ...]], bound: Callable[[float], float]) -> Trial:
+def fault_trial(seed: int, motion: str, faults: Callable[[float], tuple[Fault, ...]], bound: Callable[[float], float]) -> Trial:
     """`faults` of the instant at which they begin, in a trial of `motion`; `bound` of T, in s."""
     at_s = at(seed)
     experiment = MOTIONS[motion]._replace(duration_s=PLAYED_S, faults=faults(at_s))
@@ -67,13 +67,15 @@ def broken(seed: int, motion: str, faults: Callable[[float], tuple[Fault, ...]],
     return timed(experiment, outcome, first_with(experiment, outcome), bound(period_s(experiment)))
 
 
-def disobeyed(seed: int, kind: str, target: str, value: float) -> Trial:
-    """A valve, supply or counter of the down/up link, timed from where the current must move the link, and it does not.
+def immobile_trial(seed: int, kind: str, target: str, value: float) -> Trial:
+    """A fault of valve, supply or encoder of the down/up link, timed from where the current must move the link and does not.
 
-    200 ms of such a current, rounded up to a whole sample, and the sample that first tells of the current: 200 ms + 2 T.
+    200 ms of such a current, rounded up to a whole sample, and the sample that first shows the current: 200 ms + 2 T.
     """
     at_s = at(seed)
-    experiment = SWING._replace(duration_s=PLAYED_S, faults=(Fault(kind, target, at_s, 0.0, value),))
+    experiment = SWING._replace(
+        duration_s=PLAYED_S, faults=(Fault(kind=kind, target=target, at_s=at_s, lasts_s=0.0, value=value),)
+    )
     outcome = play_local(experiment, seed)
     first, end = first_with(experiment, outcome), ended(outcome)
     since = max(first, undriven_since(outcome.rows, min(end.row, len(outcome.rows.tick) - 1)))
@@ -86,7 +88,7 @@ def disobeyed(seed: int, kind: str, target: str, value: float) -> Trial:
 
 
 def undriven_since(rows: Columns, end: int) -> int:
-    """The first row from which up to `end` a current that must move link 2 stands, and the link never gets further with it."""
+    """The first row from which up to `end` a current stands that must move link 2, while the link does not move with it."""
     sign = 1 if rows.dac_counts[end - 1, LINK] > ZERO_CODE else -1
     must_a = MOVES_UP_A[LINK] if sign > 0 else MOVES_DOWN_A[LINK]
     row = end
@@ -109,22 +111,30 @@ def timed(experiment: Experiment, outcome: Outcome, row: int, bound_s: float) ->
     if end.row < row:
         return Trial(False, f"ended before its fault: {end.words}")
     reached = min(end.row, len(rows.tick) - 1)
-    way_mm, force_n = moved(experiment, rows, row, reached)
+    moved_mm, force_n = moved(experiment, rows, row, reached)
     if end.row >= len(rows.tick):
-        return Trial(False, end.words, bound_s=bound_s, moved_mm=way_mm, force_n=force_n)
+        return Trial(False, end.words, bound_s=bound_s, moved_mm=moved_mm, force_n=force_n)
     reaction_s = float(rows.time_ns[end.row] - rows.time_ns[row] + outcome.latch_ns) / NS_PER_S
     words = f"{end.row - row} samples after the first that has it; {end.words}"
-    return Trial(math.isnan(bound_s) or reaction_s <= bound_s, words, reaction_s, bound_s, 0.0, way_mm, force_n)
+    return Trial(
+        held=math.isnan(bound_s) or reaction_s <= bound_s,
+        words=words,
+        reaction_s=reaction_s,
+        bound_s=bound_s,
+        stalled_s=0.0,
+        moved_mm=moved_mm,
+        force_n=force_n,
+    )
 
 
 def moved(experiment: Experiment, rows: Columns, row: int, end: int) -> tuple[float, float]:
-    """Largest way of the true tip (mm) and change of the true contact force (N) between two rows."""
+    """Largest distance of the true tip (mm) and change of the true contact force (N) between two rows."""
     tips = tips_m(experiment.plant.machine, rows.true_q[row : end + 1])
     force = rows.contact_force_n[row : end + 1]
     return max(1000.0 * math.dist(place, tips[0]) for place in tips), float(np.max(np.abs(force - force[0])))
 
 
-def crossed(
+def limit_trial(
     seed: int,
     experiment: Experiment,
     beyond: Callable[[Columns], Bools],

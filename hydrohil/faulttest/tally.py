@@ -1,4 +1,4 @@
-"""Trials of one way added up: held, worst, median, what moved."""
+"""The trials of one way added up: in how many it held, worst and median reaction, largest motion."""
 
 import math
 from collections.abc import Iterable, Sequence
@@ -7,11 +7,11 @@ from typing import NamedTuple
 
 from hydrohil.faulttest.trial import Row, Trial, Way
 
-HELD, FAILED, UNTRIED = "held", "FAILED", "not tried"
+HELD, FAILED, NOT_TRIED = "held", "FAILED", "not tried"
 
 
-class Tried(NamedTuple):
-    """One way of one row, and what it showed; no trials and a reason: it was not tried."""
+class WayResult(NamedTuple):
+    """The trials of one way of one row; without trials `why` says why it was not tried."""
 
     way: Way
     trials: tuple[Trial, ...]
@@ -21,7 +21,7 @@ class Tried(NamedTuple):
     def verdict(self) -> str:
         """Held in every trial, failed in one, or not tried."""
         if not self.trials:
-            return UNTRIED
+            return NOT_TRIED
         return HELD if all(trial.held for trial in self.trials) else FAILED
 
     @property
@@ -51,11 +51,11 @@ class Tried(NamedTuple):
         return tuple((name, median(values), max(values)) for name, values in by_name.items())
 
 
-class Result(NamedTuple):
+class RowResult(NamedTuple):
     """One row, in every way in which it was or was not tried."""
 
     row: Row
-    tried: tuple[Tried, ...]
+    tried: tuple[WayResult, ...]
 
     @property
     def verdict(self) -> str:
@@ -66,9 +66,9 @@ class Result(NamedTuple):
 def of_all(verdicts: Iterable[str]) -> str:
     """The verdict of several: failing outweighs holding, holding outweighs not trying."""
     found = set(verdicts)
-    return FAILED if FAILED in found else HELD if HELD in found else UNTRIED
+    return FAILED if FAILED in found else HELD if HELD in found else NOT_TRIED
 
 
-def counts(results: Sequence[Result]) -> dict[str, int]:
+def counts(results: Sequence[RowResult]) -> dict[str, int]:
     """How many rows held, failed, were not tried."""
-    return {verdict: sum(result.verdict == verdict for result in results) for verdict in (HELD, FAILED, UNTRIED)}
+    return {verdict: sum(result.verdict == verdict for result in results) for verdict in (HELD, FAILED, NOT_TRIED)}

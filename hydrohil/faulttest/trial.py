@@ -14,54 +14,54 @@ class Trial(NamedTuple):
 
     held: bool
     words: str  # what happened, for whoever reads a failure
-    reaction_s: float = math.nan  # from the blow to zero current, or whatever the row bounds; NaN = nothing to time
+    reaction_s: float = math.nan  # from the fault to zero current, or whatever the row bounds; NaN = nothing to time
     bound_s: float = math.nan  # what it must not exceed; NaN = the row bounds no time
     stalled_s: float = 0.0  # of the reaction: the host stopped the plant itself, whose grid and machine stood still
-    moved_mm: float = math.nan  # largest way of the tip from where it was at the blow
-    force_n: float = math.nan  # largest change of the contact force since the blow
+    moved_mm: float = math.nan  # largest distance of the tip from where it was at the fault
+    force_n: float = math.nan  # largest change of the contact force since the fault
     hops: tuple[tuple[str, float], ...] = ()  # name and ms of each hop at the trip
 
     @property
     def in_time(self) -> bool:
-        """Whether the reaction, where one is bounded, kept its bound; a NaN reaction under a bound did not."""
+        """Whether the reaction is within its bound, if it has one; a NaN reaction under a bound is not."""
         return math.isnan(self.bound_s) or self.reaction_s - self.stalled_s <= self.bound_s
 
 
-class Proved(NamedTuple):
-    """P: tests that state the property; named by their pytest node ids."""
+class ByTests(NamedTuple):
+    """P: tests that prove the row; named by their pytest node ids."""
 
     words: str
     tests: tuple[str, ...]
     letter: str = "P"  # or "W": those tests start real processes on the wall clock
 
 
-class Played(NamedTuple):
+class Simulated(NamedTuple):
     """L: a trial on the local clock, exact to the tick."""
 
     words: str
     trial: Callable[[int], Trial]  # of a seed
     letter: str = "L"
-    most: int = 5  # trials; more seeds show nothing new
+    max_trials: int = 5  # trials; more seeds show nothing new
 
 
-class Lived(NamedTuple):
+class Live(NamedTuple):
     """W: real processes, the wall clock, a random phase. L: the same processes in lockstep, exact to the tick."""
 
     words: str
-    trial: Callable[["Rig", Random, int], Trial]  # of the rig, its dice, and which trial this is
+    trial: Callable[["Rig", Random, int], Trial]  # of the rig, its random numbers, and which trial this is
     letter: str = "W"
-    most: int = 1000
-    whole: bool = True  # needs the battery's cell; False: it makes its own
+    max_trials: int = 1000
+    in_shared_cell: bool = True  # in the cell that most trials share; False: it brings up its own
 
 
-class Untried(NamedTuple):
+class NotTried(NamedTuple):
     """Nothing is tried, and this is why; never counted as survived."""
 
     words: str
     letter: str = "-"
 
 
-Way = Proved | Played | Lived | Untried
+Way = ByTests | Simulated | Live | NotTried
 
 
 class Row(NamedTuple):

@@ -17,7 +17,7 @@ from hydrohil.cell import processes as cells
 from hydrohil.cell.session import arm, load
 from hydrohil.faulttest.observer import Observer
 from hydrohil.faulttest.processes import period_s
-from hydrohil.faulttest.routed import cut_of, told
+from hydrohil.faulttest.router import cut_of, judged_by_cut
 from hydrohil.shared.transport.bus import Bus
 from hydrohil.shared.transport.endpoints import Network
 from tests.support.live_cell import ZERO, experiment, own_place, until
@@ -97,19 +97,19 @@ def tried(bus: Bus, observer: Observer, cut: Cut) -> dict[str, Any]:
     swing = experiment(TRIAL_S)
     load(bus, swing, 1, "real")
     arm(bus)
-    observer.forget()
+    observer.clear()
     cells.ask(bus, "supervisor", "start")
-    until(lambda: observer.listen().samples[-1:] and observer.heard.samples[-1].body.tick > 50, "the trial")
+    until(lambda: observer.listen().samples[-1:] and observer.observed.samples[-1].body.tick > 50, "the trial")
     until(lambda: observer.listen().samples[-1].body.dac_counts != ZERO, "the valves move")
     plant = cells.ask(bus, "plant", "status")
     cut.cut()
-    blow_ns = time.monotonic_ns()
+    fault_ns = time.monotonic_ns()
     observer.listen_for(CUT_S)
     cut.mend()
     until(lambda: len(cells.statuses(bus, cells.LOOP)) == len(cells.LOOP), "everyone answers")
-    heard = observer.listen_for(WATCHED_S)
+    observed = observer.listen_for(WATCHED_S)
     after = cells.statuses(bus, cells.LOOP)
-    trial = told(heard, blow_ns, cut_of(after["plant"]), plant["lease_ms"] / 1e3 + period_s(swing))
+    trial = judged_by_cut(observed, fault_ns, cut_of(after["plant"]), plant["lease_ms"] / 1e3 + period_s(swing))
     return {
         "cut": cut.words,
         "held": trial.held,
@@ -122,7 +122,7 @@ def tried(bus: Bus, observer: Observer, cut: Cut) -> dict[str, Any]:
     }
 
 
-def calm(bus: Bus) -> None:
+def reset(bus: Bus) -> None:
     """Ready for the next cut: only a reset does that."""
 
     def reset() -> bool:
@@ -147,7 +147,7 @@ def main(service: str) -> None:
             observer = Observer(bus)
             for cut in cuts(service, processes):
                 print(json.dumps(tried(bus, observer, cut)), flush=True)
-                calm(bus)
+                reset(bus)
     finally:
         cells.stop(process.pid for process in processes.values())
 

@@ -14,7 +14,7 @@ from hydrohil.experiment.criteria import RAMP_S
 from hydrohil.experiment.experiment import Experiment
 from hydrohil.experiment.sections import ScheduledChange, scheduled
 from hydrohil.faulttest.motions import PRESS, SWING
-from hydrohil.faulttest.observer import Heard
+from hydrohil.faulttest.observer import Observation
 from hydrohil.faulttest.observer import moved as moved_since
 from hydrohil.faulttest.rig import Rig
 from hydrohil.faulttest.simulations import PLAYED_S, at, ended, moved
@@ -32,7 +32,7 @@ PRESSING = (  # each on its own; hard and soft, light and heavy, loose and stiff
     ("controller.gains.down_up.kp_a_per_q=20", "controller.gains.rotate.kp_a_per_q=2"),
 )
 LAWS = ("pi", "vetia", "deadband", "morse", "hysteresis", "robust", "torque", "final")
-EVERY_S = 0.7  # longer than the samples after a switch, shorter than half a swing
+EVERY_S = 0.7  # longer than the tight samples after a switch, shorter than half a period of the swing
 HELD_CODES = 1  # a law that takes over holds the accepted current, which the converter truncates
 SETTLED_S = 0.5  # after what was changed last
 REFUSED = (
@@ -50,7 +50,7 @@ REFUSED = (
 
 
 class Steps(NamedTuple):
-    """What the command did while it had to go by the tight limit."""
+    """The steps of the command while the tight limit was in force."""
 
     largest: int  # codes
     first: int  # at the samples at which a change begins
@@ -77,20 +77,20 @@ def _played(motion: Experiment, changes: tuple[ScheduledChange, ...], seed: int)
     experiment = motion._replace(duration_s=PLAYED_S, changes=changes)
     outcome, period_ns = play_local(experiment, seed), experiment.plant.sample_period_substeps * SUBSTEP_NS
     rows, asked = outcome.rows, [change.set for change in changes]
-    told = _asked_words(asked)
+    requested = _requested_words(asked)
     if outcome.supervisor.mode != Mode.RUNNING:
-        return Trial(False, f"{told}: {ended(outcome).words}")
+        return Trial(False, f"{requested}: {ended(outcome).words}")
     waiting = scheduled(experiment.controller, changes, period_ns)
     firsts = [tick - outcome.first_tick for tick, _ in waiting]
-    ramp = round(RAMP_S * NS_PER_S / period_ns) if "impedance" in told else 1
+    ramp = round(RAMP_S * NS_PER_S / period_ns) if "impedance" in requested else 1
     spans = [(first, first + ramp - 1 + experiment.controller.tight_samples) for first in firsts]
     steps = _steps(rows, spans, experiment.controller.tight_slew_codes)
-    way_mm, force_n = moved(experiment, rows, firsts[0], len(rows.tick) - 1)
-    words = f"{told}: {_words(steps)}; peak {rows.contact_force_n.max():.0f} N"
-    return Trial(_continuous(steps, asked), words, moved_mm=way_mm, force_n=force_n)
+    moved_mm, force_n = moved(experiment, rows, firsts[0], len(rows.tick) - 1)
+    words = f"{requested}: {_words(steps)}; peak {rows.contact_force_n.max():.0f} N"
+    return Trial(_continuous(steps, asked), words, moved_mm=moved_mm, force_n=force_n)
 
 
-def _asked_words(changes: Sequence[Sequence[str]]) -> str:
+def _requested_words(changes: Sequence[Sequence[str]]) -> str:
     return "; ".join(", ".join(chosen) for chosen in changes)
 
 
@@ -99,67 +99,67 @@ def _words(steps: Steps) -> str:
 
 
 def _continuous(steps: Steps, changes: Sequence[Sequence[str]]) -> bool:
-    """Within the tight limit; and a law that takes over has held the current."""
+    """Whether steps keep the tight limit, and a law that takes over holds the current."""
     switches = any("controller.law" in text for chosen in changes for text in chosen)
     return steps.samples > 0 and steps.largest <= steps.limit and not (switches and steps.first > HELD_CODES)
 
 
 def _steps(rows: Columns, spans: Sequence[tuple[int, int]], limit: int) -> Steps:
     """Steps of the codes in the rows of each span, each against the row before."""
-    made = np.abs(np.diff(rows.dac_counts, axis=0)).max(axis=1)  # row i + 1 against row i
-    inside = [int(step) for first, end in spans for step in made[first - 1 : end - 1]]
-    return Steps(max(inside), max(int(made[first - 1]) for first, _ in spans), limit, len(inside))
+    step_codes = np.abs(np.diff(rows.dac_counts, axis=0)).max(axis=1)  # row i + 1 against row i
+    inside = [int(step) for first, end in spans for step in step_codes[first - 1 : end - 1]]
+    return Steps(max(inside), max(int(step_codes[first - 1]) for first, _ in spans), limit, len(inside))
 
 
-def pressed_live(rig: Rig, dice: Random, number: int) -> Trial:
+def pressed_live(rig: Rig, rng: Random, number: int) -> Trial:
     """The same with real processes, at a random phase of the force, by the request of `hydrohil set`."""
-    rig.moving(PRESS, dice)
+    rig.moving(PRESS, rng)
     return _asked(rig, PRESS, (PRESSING[number % len(PRESSING)],))
 
 
-def switched_live(rig: Rig, dice: Random, _: int) -> Trial:
+def switched_live(rig: Rig, rng: Random, _: int) -> Trial:
     """Three laws in turn while the link swings."""
-    rig.moving(SWING, dice)
-    laws = [law for law in dice.sample(LAWS, 4) if law != SWING.controller.law][:3]
+    rig.moving(SWING, rng)
+    laws = [law for law in rng.sample(LAWS, 4) if law != SWING.controller.law][:3]
     return _asked(rig, SWING, [(f"controller.law={law}",) for law in laws])
 
 
 def _asked(rig: Rig, experiment: Experiment, changes: Sequence[tuple[str, ...]]) -> Trial:
     spans, began_ns = [], time.monotonic_ns()
     for chosen in changes:
-        made = rig.ask("controller", "parameters", set=list(chosen))
-        first = int(made["number"])
-        end = first + int(made["ramp_samples"]) - 1 + experiment.controller.tight_samples
+        answer = rig.ask("controller", "parameters", set=list(chosen))
+        first = int(answer["number"])
+        end = first + int(answer["ramp_samples"]) - 1 + experiment.controller.tight_samples
         spans.append((first, end))
-        rig.await_(partial(_reached, rig, end), "the samples after the change")
-    heard = rig.observer.listen_for(SETTLED_S)
-    steps = _live_steps(heard, spans, experiment.controller.tight_slew_codes)
-    runs = heard.permits[-1].body.mode == Mode.RUNNING
-    words = f"{_asked_words(changes)}: {_words(steps)}" + ("" if runs else f"; {rig.words()}")
-    way_mm, force_n = moved_since(heard, began_ns)
-    return Trial(runs and _continuous(steps, changes), words, moved_mm=way_mm, force_n=force_n)
+        rig.wait_for(partial(_reached, rig, end), "the samples after the change")
+    observed = rig.observer.listen_for(SETTLED_S)
+    steps = _live_steps(observed, spans, experiment.controller.tight_slew_codes)
+    runs = observed.permits[-1].body.mode == Mode.RUNNING
+    words = f"{_requested_words(changes)}: {_words(steps)}" + ("" if runs else f"; {rig.state()}")
+    moved_mm, force_n = moved_since(observed, began_ns)
+    return Trial(runs and _continuous(steps, changes), words, moved_mm=moved_mm, force_n=force_n)
 
 
 def _reached(rig: Rig, number: int) -> bool:
     return bool(rig.observer.listen().samples[-1].body.number >= number)
 
 
-def _live_steps(heard: Heard, spans: Sequence[tuple[int, int]], limit: int) -> Steps:
+def _live_steps(observed: Observation, spans: Sequence[tuple[int, int]], limit: int) -> Steps:
     """Each command against the codes that the D/A held at the sample it answers: the controller knows no later ones."""
-    held = {message.body.number: message.body.dac_counts for message in heard.samples}
-    answers = [(message.header.echo_number, message.body.dac_counts) for message in heard.commands]
-    made = {
+    held = {message.body.number: message.body.dac_counts for message in observed.samples}
+    answers = [(message.header.echo_number, message.body.dac_counts) for message in observed.commands]
+    step_of = {
         number: max(abs(code - before) for code, before in zip(codes, held[number], strict=True))
         for number, codes in answers
         if number in held
     }
-    inside = [made[number] for first, end in spans for number in range(first, end) if number in made]
-    return Steps(max(inside, default=0), max(made.get(first, 0) for first, _ in spans), limit, len(inside))
+    inside = [step_of[number] for first, end in spans for number in range(first, end) if number in step_of]
+    return Steps(max(inside, default=0), max(step_of.get(first, 0) for first, _ in spans), limit, len(inside))
 
 
-def refused_live(rig: Rig, dice: Random, _: int) -> Trial:
+def refused_live(rig: Rig, rng: Random, _: int) -> Trial:
     """Out of bounds, unknown, of another section, or a limit: each is refused in contact, and nothing changes."""
-    rig.moving(PRESS, dice)
+    rig.moving(PRESS, rng)
     before = rig.status("controller")["changed"]
     answers = {text: rig.bus.ask("controller", "parameters", {"set": [text]}, 2.0) for text in REFUSED}
     silent = [text for text, answer in answers.items() if answer is None]
