@@ -123,7 +123,7 @@ WIRE = (
                 "every flipped bit is found; one a second is survived, a second one cuts and revokes",
                 (
                     "tests/shared/contract/test_codec.py::test_every_flipped_bit_of_a_frame_is_a_checksum_error",
-                    "tests/plant/test_gatekeeper.py::test_one_corrupt_frame_a_second_is_survived_and_a_second_one_cuts_and_burns",
+                    "tests/plant/test_gatekeeper.py::test_one_corrupt_frame_a_second_is_survived_and_a_second_one_cuts_and_revokes",
                 ),
             ),
         ),
