@@ -34,6 +34,13 @@ def code(value: object) -> str:
     return f"`{value}`"
 
 
+def plain(text: str) -> str:
+    """Text in which brackets are no link, and angles no tag, outside of code."""
+    parts = text.split("`")
+    parts[::2] = [part.replace("[", "\\[").replace("<", "&lt;") for part in parts[::2]]
+    return "`".join(parts)
+
+
 def on_site(text: str) -> str:
     """A page of the repository as a page of the site: there docs/ is the top, and beside it lie the pages of REPOSITORY_PAGES."""
     text = re.sub(r"\]\(docs/", "](", text)
@@ -65,9 +72,11 @@ def _command(name: str, command: Any) -> str:
     arguments = [param for param in command.params if param.param_type_name == "argument"]
     options = [param for param in command.params if param.param_type_name == "option" and not param.hidden]
     usage = " ".join(["hydrohil", name, *(_argument(param) for param in arguments), "[OPTIONS]"])
-    text = inspect.cleandoc(command.help or "").split("\f")[0]
+    text = plain(inspect.cleandoc(command.help or "").split("\f")[0])
     parts = [f"### hydrohil {name}\n", f"```text\n{usage}\n```\n", f"{text}\n"]
-    rows = [(code("/".join((*o.opts, *o.secondary_opts))), _kind(o), _default(o), o.help or "") for o in (*arguments, *options)]
+    rows = [
+        (code("/".join((*o.opts, *o.secondary_opts))), _kind(o), _default(o), plain(o.help or "")) for o in (*arguments, *options)
+    ]
     if rows:
         parts.append(table(("option", "value", "default", "meaning"), rows))
     return "\n".join(parts)
