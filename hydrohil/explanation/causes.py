@@ -7,7 +7,7 @@ from hydrohil.explanation.names import find_cause
 from hydrohil.services.plant.config import PlantConfig
 from hydrohil.services.plant.plant_description import describe
 from hydrohil.services.supervisor.config import SupervisorConfig
-from hydrohil.services.supervisor.observe import Heard, Links, observe_step, watch_start
+from hydrohil.services.supervisor.observe import LinkHealth, SampleContext, observe_step, observer_start
 from hydrohil.services.supervisor.params import supervisor_params
 from hydrohil.services.supervisor.rule import Limits, Observed
 from hydrohil.services.supervisor.rules import RULES
@@ -74,5 +74,6 @@ def _at_rest() -> tuple[Observed, Limits]:
         command_late_substeps=0,
         command_age_ns=0,
     )
-    heard = Heard(running=False, stale_ns=0, ready=True, links=Links(faults=0, epoch_conflicts=0, other_run=0, state_lag=1))
-    return observe_step(watch_start(), params.observing, sample, heard)[1], params.limits
+    links = LinkHealth(faults=0, epoch_conflicts=0, other_run=0, state_lag=1)
+    context = SampleContext(running=False, stale_ns=0, ready=True, links=links)
+    return observe_step(observer_start(), params.observer, sample, context)[1], params.limits

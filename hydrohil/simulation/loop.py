@@ -12,8 +12,9 @@ from hydrohil.services.plant.gate import CommandObservation, GateInput, GateMemo
 from hydrohil.services.plant.machine import MachineState, advance, ground_truth
 from hydrohil.services.plant.params import ContactParams, MachineParams
 from hydrohil.services.supervisor.modes import NOTHING, RUNNING
-from hydrohil.services.supervisor.observe import Links
-from hydrohil.services.supervisor.step import Asked, SupervisorMemory, SupervisorParams, supervisor_step
+from hydrohil.services.supervisor.observe import LinkHealth
+from hydrohil.services.supervisor.state import SupervisorInput, SupervisorMemory, SupervisorParams
+from hydrohil.services.supervisor.step import supervisor_step
 from hydrohil.shared.compiled.kernel import kernel
 from hydrohil.shared.contract.messages import LinkCounts, Permit, Sample
 from hydrohil.shared.units import SUBSTEP_NS
@@ -50,7 +51,7 @@ class Underway(NamedTuple):
 
 _ARMING_ID = 1  # any number but 0: the local cell arms once
 _EPOCH = 1
-_LINKS = Links(faults=0, epoch_conflicts=0, other_run=0, state_lag=1)  # there is none that could fail
+_LINKS = LinkHealth(faults=0, epoch_conflicts=0, other_run=0, state_lag=1)  # there is none that could fail
 
 
 @kernel
@@ -101,9 +102,9 @@ def gate_input(setup: Setup, sample: Sample, codes: LinkCounts, permit: Permit, 
 
 
 @kernel
-def asked_at(ready: bool) -> Asked:
+def asked_at(ready: bool) -> SupervisorInput:
     """What the supervisor is given beside the sample: no request, and no link that could fail."""
-    return Asked(event=NOTHING, new_arming_id=0, agreed=True, controller_ready=ready, stale_ns=0, links=_LINKS)
+    return SupervisorInput(event=NOTHING, new_arming_id=0, agreed=True, controller_ready=ready, stale_ns=0, links=_LINKS)
 
 
 def begin(setup: Setup, memory: ControlMemory, intervals: Integers) -> Underway:

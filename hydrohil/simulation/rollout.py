@@ -21,7 +21,7 @@ from hydrohil.services.plant.params import contact_params
 from hydrohil.services.plant.plant_description import describe
 from hydrohil.services.supervisor.modes import RUNNING
 from hydrohil.services.supervisor.params import supervisor_params
-from hydrohil.services.supervisor.step import SupervisorMemory
+from hydrohil.services.supervisor.state import SupervisorMemory
 from hydrohil.shared.compiled.kernel import compiled
 from hydrohil.shared.contract.faults import problem
 from hydrohil.shared.units import NS_PER_S, SUBSTEP_NS

@@ -1,7 +1,7 @@
-"""The gate between bus and D/A: zero current unless everything that permits motion holds. It has the last word.
+"""The gate between bus and D/A: zero current unless every condition for motion holds. Nothing overrules it.
 
-It is silent at boot, loses permission by absence, and never opens again on an arming that a cut has revoked.
-Every condition states what must hold, so that an unknown value shuts.
+It is shut at boot, it shuts when a permit or a command stops coming, and it never opens again on an arming that a cut has
+revoked. Every condition states what must hold, so that a NaN shuts it.
 """
 
 from typing import NamedTuple
@@ -11,32 +11,34 @@ from hydrohil.shared.compiled.kernel import kernel
 from hydrohil.shared.contract.converters import ZERO_CODE
 from hydrohil.shared.contract.messages import NO_COMMAND, GateCause, GateState, LinkCounts, Mode
 
-SHUT, OPEN, REVOKED, RECOVERING = map(int, GateState)
-(
-    NONE,
-    NO_PERMIT,
-    NOT_RUNNING,
-    REVOKED_ARMING,
-    PERMIT_STALE,
-    COMMAND_MISSING,
-    COMMAND_STALE,
-    OTHER_ARMING,
-    EPOCH_CHANGED,
-    IMPOSSIBLE_ECHO,
-    OUT_OF_RANGE,
-    BEYOND_SLEW,
-    FORCE_INVALID,
-    FORCE_ABOVE_LIMIT,
-    NOT_UNLOADING,
-    ESTOP,
-    OVERRUN,
-    LINK_FAULTS,
-    TWO_PUBLISHERS,
-) = map(int, GateCause)
+SHUT = int(GateState.SHUT)
+OPEN = int(GateState.OPEN)
+REVOKED = int(GateState.REVOKED)
+RECOVERING = int(GateState.RECOVERING)
+NONE = int(GateCause.NONE)
+NO_PERMIT = int(GateCause.NO_PERMIT)
+NOT_RUNNING = int(GateCause.NOT_RUNNING)
+REVOKED_ARMING = int(GateCause.REVOKED_ARMING)
+PERMIT_STALE = int(GateCause.PERMIT_STALE)
+COMMAND_MISSING = int(GateCause.NO_COMMAND)
+COMMAND_STALE = int(GateCause.COMMAND_STALE)
+OTHER_ARMING = int(GateCause.OTHER_ARMING)
+EPOCH_CHANGED = int(GateCause.EPOCH_CHANGED)
+IMPOSSIBLE_ECHO = int(GateCause.IMPOSSIBLE_ECHO)
+OUT_OF_RANGE = int(GateCause.OUT_OF_RANGE)
+BEYOND_SLEW = int(GateCause.BEYOND_SLEW)
+FORCE_INVALID = int(GateCause.FORCE_INVALID)
+FORCE_ABOVE_LIMIT = int(GateCause.FORCE_ABOVE_LIMIT)
+NOT_UNLOADING = int(GateCause.NOT_UNLOADING)
+ESTOP = int(GateCause.ESTOP)
+OVERRUN = int(GateCause.OVERRUN)
+LINK_FAULTS = int(GateCause.LINK_FAULTS)
+TWO_PUBLISHERS = int(GateCause.TWO_PUBLISHERS)
 _RUNNING, _RECOVER = int(Mode.RUNNING), int(Mode.RECOVER)
 _ZERO = (ZERO_CODE, ZERO_CODE, ZERO_CODE)
 _NO_SIGNS = (0, 0, 0)
-_NO_ARMING_IDS = (0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0)
+RevokedIds = tuple[int, int, int, int, int, int, int, int, int, int, int, int, int, int, int, int]  # the last 16, newest first
+_NONE_REVOKED: RevokedIds = (0,) * 16
 
 
 class PermitObservation(NamedTuple):
@@ -70,7 +72,7 @@ class GateInput(NamedTuple):
     force_n: float
     tick: int  # of the sample that is being answered
     estop: bool
-    overrun: bool  # the plant itself stood still for longer than the lease
+    overrun: bool  # the plant itself was delayed by more than the lease
     link_faults: int  # CRC and sequence faults of the last second under a bound identity, of the worse link
     epoch_conflicts: int  # frames of the last second by which a bound sender has another epoch, of the worse link
 
@@ -86,73 +88,88 @@ class GateMemory(NamedTuple):
     arming_id: int = 0  # bound while open
     permit_epoch: int = 0
     command_epoch: int = 0
-    revoked: tuple[int, int, int, int, int, int, int, int, int, int, int, int, int, int, int, int] = _NO_ARMING_IDS  # the last 16
+    revoked: RevokedIds = _NONE_REVOKED
     recover_signs: LinkCounts = _NO_SIGNS
 
 
-NO_PERMIT_OBSERVATION = PermitObservation(False, 0, 0, 0, -1, _NO_SIGNS)
-NO_COMMAND_OBSERVATION = CommandObservation(False, 0, 0, -1, NO_COMMAND, _ZERO)
+NO_PERMIT_OBSERVATION = PermitObservation(present=False, arming_id=0, epoch=0, mode=0, age_ns=-1, recover_signs=_NO_SIGNS)
+NO_COMMAND_OBSERVATION = CommandObservation(present=False, arming_id=0, epoch=0, age_ns=-1, number=NO_COMMAND, codes=_ZERO)
 
 
 @kernel
-def gate_step(memory: GateMemory, limits: GateLimits, seen: GateInput, at_latch: bool) -> GateMemory:
+def gate_step(memory: GateMemory, limits: GateLimits, observed: GateInput, at_latch: bool) -> GateMemory:
     """Judge permit, command and force; `at_latch` marks the regular instant, once a sample."""
-    cause = _broken(memory, limits, seen)
-    shut = memory.state == SHUT or memory.state == REVOKED
+    cause = _broken(memory, limits, observed)
     if cause != NONE:
-        revoked = memory.revoked
-        if not shut:
-            revoked = (memory.arming_id,) + revoked[:-1]
-        elif cause >= IMPOSSIBLE_ECHO and seen.permit.arming_id != 0 and not _is_revoked(revoked, seen.permit.arming_id):
-            revoked = (seen.permit.arming_id,) + revoked[:-1]
-        state = REVOKED if seen.permit.present and _is_revoked(revoked, seen.permit.arming_id) else SHUT
-        return GateMemory(state, cause, _ZERO, seen.command.number, 0, 0, 0, 0, revoked, _NO_SIGNS)
-    recovering = seen.permit.mode == _RECOVER
+        return _cut(memory, observed, cause)
+    recovering = observed.permit.mode == _RECOVER
     samples = memory.open_samples + 1 if at_latch else memory.open_samples
     return GateMemory(
-        RECOVERING if recovering else OPEN,
-        NONE,
-        seen.command.codes,
-        seen.command.number,
-        samples,
-        seen.permit.arming_id,
-        seen.permit.epoch,
-        seen.command.epoch,
-        memory.revoked,
-        seen.permit.recover_signs if recovering else _NO_SIGNS,
+        state=RECOVERING if recovering else OPEN,
+        cause=NONE,
+        codes=observed.command.codes,
+        command_number=observed.command.number,
+        open_samples=samples,
+        arming_id=observed.permit.arming_id,
+        permit_epoch=observed.permit.epoch,
+        command_epoch=observed.command.epoch,
+        revoked=memory.revoked,
+        recover_signs=observed.permit.recover_signs if recovering else _NO_SIGNS,
+    )
+
+
+@kernel
+def _cut(memory: GateMemory, observed: GateInput, cause: int) -> GateMemory:
+    """Zero current. What was bound is revoked; while shut, an impossible echo or a worse cause revokes the permit's arming."""
+    arming_id, revoked = observed.permit.arming_id, memory.revoked
+    if not (memory.state == SHUT or memory.state == REVOKED):
+        revoked = (memory.arming_id,) + revoked[:-1]
+    elif cause >= IMPOSSIBLE_ECHO and arming_id != 0 and not _is_revoked(revoked, arming_id):
+        revoked = (arming_id,) + revoked[:-1]
+    return GateMemory(
+        state=REVOKED if observed.permit.present and _is_revoked(revoked, arming_id) else SHUT,
+        cause=cause,
+        codes=_ZERO,
+        command_number=observed.command.number,
+        open_samples=0,
+        arming_id=0,
+        permit_epoch=0,
+        command_epoch=0,
+        revoked=revoked,
+        recover_signs=_NO_SIGNS,
     )
 
 
 @kernel
 def _is_revoked(revoked: tuple[int, ...], arming_id: int) -> bool:
-    for number in revoked:
-        if number == arming_id and arming_id != 0:
+    for one in revoked:
+        if one == arming_id and arming_id != 0:
             return True
     return False
 
 
 @kernel
-def _broken(memory: GateMemory, limits: GateLimits, seen: GateInput) -> int:
+def _broken(memory: GateMemory, limits: GateLimits, observed: GateInput) -> int:
     """The first condition that does not hold."""
-    if seen.estop:
+    if observed.estop:
         return ESTOP
-    if seen.overrun:
+    if observed.overrun:
         return OVERRUN
-    if not seen.link_faults <= limits.faults_per_s:
+    if not observed.link_faults <= limits.faults_per_s:
         return LINK_FAULTS
-    if not seen.epoch_conflicts <= limits.faults_per_s:
+    if not observed.epoch_conflicts <= limits.faults_per_s:
         return TWO_PUBLISHERS
-    cause = _permit_broken(memory, limits, seen)
+    cause = _permit_broken(memory, limits, observed)
     if cause == NONE:
-        cause = _command_broken(memory, limits, seen)
-    if cause == NONE and seen.permit.mode == _RUNNING:
-        cause = _force_broken(limits, seen)
+        cause = _command_broken(memory, limits, observed)
+    if cause == NONE and observed.permit.mode == _RUNNING:
+        cause = _force_broken(limits, observed)
     return cause
 
 
 @kernel
-def _permit_broken(memory: GateMemory, limits: GateLimits, seen: GateInput) -> int:
-    permit = seen.permit
+def _permit_broken(memory: GateMemory, limits: GateLimits, observed: GateInput) -> int:
+    permit = observed.permit
     if not permit.present or permit.arming_id == 0:
         return NO_PERMIT
     if _is_revoked(memory.revoked, permit.arming_id):
@@ -161,7 +178,7 @@ def _permit_broken(memory: GateMemory, limits: GateLimits, seen: GateInput) -> i
         return IMPOSSIBLE_ECHO
     if not permit.age_ns <= limits.permit_ttl_ns:
         return PERMIT_STALE
-    running = permit.mode == _RUNNING and seen.tick >= 0
+    running = permit.mode == _RUNNING and observed.tick >= 0
     if not (running or permit.mode == _RECOVER):
         return NOT_RUNNING
     if memory.arming_id != 0 and (
@@ -174,15 +191,15 @@ def _permit_broken(memory: GateMemory, limits: GateLimits, seen: GateInput) -> i
 
 
 @kernel
-def _command_broken(memory: GateMemory, limits: GateLimits, seen: GateInput) -> int:
-    command = seen.command
+def _command_broken(memory: GateMemory, limits: GateLimits, observed: GateInput) -> int:
+    command = observed.command
     if not command.present:
         return COMMAND_MISSING
     if not command.age_ns >= 0:
         return IMPOSSIBLE_ECHO
     if not command.age_ns <= limits.command_ttl_ns:
         return COMMAND_STALE
-    if command.arming_id != seen.permit.arming_id:
+    if command.arming_id != observed.permit.arming_id:
         return OTHER_ARMING
     if memory.arming_id != 0 and command.epoch != memory.command_epoch:
         return EPOCH_CHANGED
@@ -193,8 +210,8 @@ def _command_broken(memory: GateMemory, limits: GateLimits, seen: GateInput) -> 
             return OUT_OF_RANGE
         if not abs(code - memory.codes[link]) <= slew:
             return BEYOND_SLEW
-        if seen.permit.mode == _RECOVER:
-            away = (code - ZERO_CODE) * seen.permit.recover_signs[link]
+        if observed.permit.mode == _RECOVER:
+            away = (code - ZERO_CODE) * observed.permit.recover_signs[link]
             if not (code == ZERO_CODE or 0 < away <= limits.recover_codes):
                 return NOT_UNLOADING
     return NONE
@@ -207,9 +224,9 @@ def slew_codes(memory: GateMemory, limits: GateLimits) -> int:
 
 
 @kernel
-def _force_broken(limits: GateLimits, seen: GateInput) -> int:
-    if not limits.min_force_counts <= seen.force_counts < limits.max_force_counts:
+def _force_broken(limits: GateLimits, observed: GateInput) -> int:
+    if not limits.min_force_counts <= observed.force_counts < limits.max_force_counts:
         return FORCE_INVALID
-    if not abs(seen.force_n) <= limits.force_limit_n:
+    if not abs(observed.force_n) <= limits.force_limit_n:
         return FORCE_ABOVE_LIMIT
     return NONE

@@ -51,7 +51,14 @@ class Mailbox:
             return NO_PERMIT_OBSERVATION
         header, body = self.permit.header, self.permit.body
         age_ns = self._ledger.age(header.echo_number, header.echo_time_ns, now_ns)
-        return PermitObservation(True, header.arming_id, header.epoch, body.mode, age_ns, body.recover_signs)
+        return PermitObservation(
+            present=True,
+            arming_id=header.arming_id,
+            epoch=header.epoch,
+            mode=body.mode,
+            age_ns=age_ns,
+            recover_signs=body.recover_signs,
+        )
 
     def observe_command(self, now_ns: int) -> CommandObservation:
         """The command as the gate sees it now."""
@@ -59,4 +66,11 @@ class Mailbox:
             return NO_COMMAND_OBSERVATION
         header, body = self.command.header, self.command.body
         age_ns = self._ledger.age(header.echo_number, header.echo_time_ns, now_ns)
-        return CommandObservation(True, header.arming_id, header.epoch, age_ns, header.echo_number, body.dac_counts)
+        return CommandObservation(
+            present=True,
+            arming_id=header.arming_id,
+            epoch=header.epoch,
+            age_ns=age_ns,
+            number=header.echo_number,
+            codes=body.dac_counts,
+        )

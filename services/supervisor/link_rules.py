@@ -7,54 +7,54 @@ from hydrohil.shared.contract.messages import TripCause
 
 
 @kernel
-def links_sound(seen: Observed, limits: Limits) -> bool:
-    return seen.transport.link_faults <= limits.faults_per_s
+def links_sound(observed: Observed, limits: Limits) -> bool:
+    return observed.transport.link_faults <= limits.faults_per_s
 
 
 @kernel
-def one_publisher(seen: Observed, limits: Limits) -> bool:
-    return seen.transport.epoch_conflicts <= _epoch_conflicts_allowed(seen, limits)
+def one_publisher(observed: Observed, limits: Limits) -> bool:
+    return observed.transport.epoch_conflicts <= _epoch_conflicts_allowed(observed, limits)
 
 
 @kernel
-def _epoch_conflicts_allowed(seen: Observed, limits: Limits) -> int:
+def _epoch_conflicts_allowed(observed: Observed, limits: Limits) -> int:
     """At rest a service may start anew; in motion nobody may."""
-    return 0 if seen.moving else limits.faults_per_s
+    return 0 if observed.moving else limits.faults_per_s
 
 
 @kernel
-def one_experiment(seen: Observed, limits: Limits) -> bool:
-    return seen.transport.other_run == 0
+def one_experiment(observed: Observed, limits: Limits) -> bool:
+    return observed.transport.other_run == 0
 
 
 @kernel
-def answered_in_time(seen: Observed, limits: Limits) -> bool:
-    return seen.transport.missed <= limits.missed_samples
+def answered_in_time(observed: Observed, limits: Limits) -> bool:
+    return observed.transport.missed <= limits.missed_samples
 
 
 LINK_RULES = (
     Rule(
-        links_sound,
-        TripCause.LINK_FAULTS,
-        lambda seen, _: float(seen.transport.link_faults),
-        lambda _, limits: float(limits.faults_per_s),
+        holds=links_sound,
+        cause=TripCause.LINK_FAULTS,
+        measured=lambda observed, _: float(observed.transport.link_faults),
+        limit=lambda _, limits: float(limits.faults_per_s),
     ),
     Rule(
-        one_publisher,
-        TripCause.TWO_PUBLISHERS,
-        lambda seen, _: float(seen.transport.epoch_conflicts),
-        lambda seen, limits: float(_epoch_conflicts_allowed(seen, limits)),
+        holds=one_publisher,
+        cause=TripCause.TWO_PUBLISHERS,
+        measured=lambda observed, _: float(observed.transport.epoch_conflicts),
+        limit=lambda observed, limits: float(_epoch_conflicts_allowed(observed, limits)),
     ),
     Rule(
-        one_experiment,
-        TripCause.OTHER_RUN,
-        lambda seen, _: float(seen.transport.other_run),
-        lambda _, __: 0.0,
+        holds=one_experiment,
+        cause=TripCause.OTHER_RUN,
+        measured=lambda observed, _: float(observed.transport.other_run),
+        limit=lambda _, __: 0.0,
     ),
     Rule(
-        answered_in_time,
-        TripCause.QUALITY,
-        lambda seen, _: quality(seen.transport.missed),
-        lambda _, limits: quality(limits.missed_samples),
+        holds=answered_in_time,
+        cause=TripCause.QUALITY,
+        measured=lambda observed, _: quality(observed.transport.missed),
+        limit=lambda _, limits: quality(limits.missed_samples),
     ),
 )

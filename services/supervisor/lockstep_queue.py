@@ -8,7 +8,7 @@ from hydrohil.shared.transport.bus import Bus, same_run
 from hydrohil.shared.transport.inbox import Inbox
 
 
-class InStep:
+class LockstepQueue:
     """Samples that have come and are not due yet."""
 
     def __init__(self, bus: Bus, states: Inbox) -> None:

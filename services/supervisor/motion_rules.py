@@ -6,161 +6,194 @@ from hydrohil.shared.compiled.kernel import kernel
 from hydrohil.shared.contract.messages import TripCause
 from hydrohil.shared.contract.pose import Triple
 
-
-@kernel
-def counters_connected(seen: Observed, limits: Limits) -> bool:
-    return _off_rail(seen.motion.counts, limits) == 3
+# The kernels named `_first_...` return the index that a rule judges: of the first value that breaks its limit, 0 if none does.
 
 
 @kernel
-def counters_follow(seen: Observed, limits: Limits) -> bool:
-    return _first_jump(seen, limits) == 4
+def counters_connected(observed: Observed, limits: Limits) -> bool:
+    return _connected(observed.motion.counts, limits, _first_disconnected(observed.motion.counts, limits))
 
 
 @kernel
-def links_obey(seen: Observed, limits: Limits) -> bool:
-    return _first_above(seen.motion.against, BRAKES) == 3
+def counters_follow(observed: Observed, limits: Limits) -> bool:
+    return _follows(observed, limits, _first_jump(observed, limits))
 
 
 @kernel
-def links_move(seen: Observed, limits: Limits) -> bool:
+def links_obey(observed: Observed, limits: Limits) -> bool:
+    return _below(observed.motion.against, BRAKES, _first_above(observed.motion.against, BRAKES))
+
+
+@kernel
+def links_move(observed: Observed, limits: Limits) -> bool:
     for link in range(3):
-        if not seen.motion.idle_ns[link] <= MOVES_WITHIN_NS:
+        if not observed.motion.idle_ns[link] <= MOVES_WITHIN_NS:
             return False
     return True
 
 
 @kernel
-def joints_within(seen: Observed, limits: Limits) -> bool:
+def joints_within(observed: Observed, limits: Limits) -> bool:
+    low, high = limits.config.joint_low_q, limits.config.joint_high_q
+    return _inside(observed.motion.q, low, high, _first_outside(observed.motion.q, low, high))
+
+
+@kernel
+def tip_within(observed: Observed, limits: Limits) -> bool:
+    low, high = limits.config.workspace_low_m, limits.config.workspace_high_m
+    return _inside(observed.motion.tip_m, low, high, _first_outside(observed.motion.tip_m, low, high))
+
+
+@kernel
+def joints_slow(observed: Observed, limits: Limits) -> bool:
+    most = limits.config.joint_speed_limit
+    return _below(observed.motion.speed, most, _first_above(observed.motion.speed, most))
+
+
+@kernel
+def tip_slow(observed: Observed, limits: Limits) -> bool:
+    return observed.motion.tip_speed_m_per_s <= limits.config.tip_speed_limit_m_per_s
+
+
+@kernel
+def _connected(counts: tuple[int, int, int], limits: Limits, link: int) -> bool:
+    """Whether a counter stands between its ends."""
+    return limits.low_counts[link] < counts[link] < limits.high_counts[link]
+
+
+@kernel
+def _first_disconnected(counts: tuple[int, int, int], limits: Limits) -> int:
     for link in range(3):
-        if not limits.config.joint_low_q[link] <= seen.motion.q[link] <= limits.config.joint_high_q[link]:
-            return False
-    return True
-
-
-@kernel
-def tip_within(seen: Observed, limits: Limits) -> bool:
-    for axis in range(3):
-        if not limits.config.workspace_low_m[axis] <= seen.motion.tip_m[axis] <= limits.config.workspace_high_m[axis]:
-            return False
-    return True
-
-
-@kernel
-def joints_slow(seen: Observed, limits: Limits) -> bool:
-    return _first_above(seen.motion.speed, limits.config.joint_speed_limit) == 3
-
-
-@kernel
-def tip_slow(seen: Observed, limits: Limits) -> bool:
-    return seen.motion.tip_speed_m_per_s <= limits.config.tip_speed_limit_m_per_s
-
-
-@kernel
-def _off_rail(counts: tuple[int, int, int], limits: Limits) -> int:
-    """The first counter at or beyond an end, 3 if none."""
-    for link in range(3):
-        if not limits.low_counts[link] < counts[link] < limits.high_counts[link]:
+        if not _connected(counts, limits, link):
             return link
-    return 3
+    return 0
 
 
 @kernel
-def _rail(counts: tuple[int, int, int], limits: Limits) -> int:
-    """The end at or beyond which that counter stands."""
-    link = _off_rail(counts, limits) % 3
+def _counter_end(counts: tuple[int, int, int], limits: Limits) -> int:
+    """The end at or beyond which the counter that is judged stands."""
+    link = _first_disconnected(counts, limits)
     return limits.low_counts[link] if counts[link] <= limits.low_counts[link] else limits.high_counts[link]
 
 
 @kernel
-def _reach(seen: Observed, limits: Limits, encoder: int) -> float:
-    """What an encoder can have moved since the sample before: full speed, and the count that a floor may add."""
-    return FULL_SPEED[encoder] * seen.motion.dt_s + limits.count_q[encoder] * (1.0 + 1e-9)
+def _reach(observed: Observed, limits: Limits, encoder: int) -> float:
+    """Furthest that an encoder can have moved since the sample before: at full speed, and the count that a floor may add."""
+    return FULL_SPEED[encoder] * observed.motion.dt_s + limits.count_q[encoder] * (1.0 + 1e-9)
 
 
 @kernel
-def _first_jump(seen: Observed, limits: Limits) -> int:
-    """The first encoder that moved further than it can, 4 if none."""
+def _follows(observed: Observed, limits: Limits, encoder: int) -> bool:
+    """Whether an encoder moved no further than it can."""
+    return abs(observed.motion.moved_q[encoder]) <= _reach(observed, limits, encoder)
+
+
+@kernel
+def _first_jump(observed: Observed, limits: Limits) -> int:
+    """Of the four encoders; the fourth is the hand's pitch."""
     for encoder in range(4):
-        if not abs(seen.motion.moved_q[encoder]) <= _reach(seen, limits, encoder):
+        if not _follows(observed, limits, encoder):
             return encoder
-    return 4
+    return 0
 
 
 @kernel
-def _first_above(values: Triple, limits: Triple) -> int:
-    """The first value beyond its limit, either way; 3 if none."""
-    for link in range(3):
-        if not abs(values[link]) <= limits[link]:
-            return link
-    return 3
+def _below(values: Triple, most: Triple, i: int) -> bool:
+    return abs(values[i]) <= most[i]
 
 
 @kernel
-def _least_progress(seen: Observed) -> int:
-    """The link that has been idle for longest, in ns."""
-    idle = seen.motion.idle_ns
-    return max(idle[0], idle[1], idle[2])
-
-
-@kernel
-def _worst(values: Triple, low: Triple, high: Triple) -> tuple[float, float]:
-    """The first value outside its bounds and the bound it broke."""
+def _first_above(values: Triple, most: Triple) -> int:
     for i in range(3):
-        if not low[i] <= values[i] <= high[i]:
-            return values[i], high[i] if values[i] > high[i] else low[i]
-    return values[0], high[0]
+        if not _below(values, most, i):
+            return i
+    return 0
+
+
+@kernel
+def _inside(values: Triple, low: Triple, high: Triple, i: int) -> bool:
+    return low[i] <= values[i] <= high[i]
+
+
+@kernel
+def _first_outside(values: Triple, low: Triple, high: Triple) -> int:
+    for i in range(3):
+        if not _inside(values, low, high, i):
+            return i
+    return 0
+
+
+@kernel
+def _bound_broken(values: Triple, low: Triple, high: Triple) -> float:
+    """The bound that the value that is judged breaks, the lower one for a NaN; the upper one if it is inside."""
+    i = _first_outside(values, low, high)
+    return high[i] if values[i] > high[i] or _inside(values, low, high, i) else low[i]
+
+
+@kernel
+def _longest_idle_ns(observed: Observed) -> int:
+    """For how long the link that has been idle for longest has not moved, in ns."""
+    idle = observed.motion.idle_ns
+    return max(idle[0], idle[1], idle[2])
 
 
 MOTION_RULES = (
     Rule(
-        counters_connected,
-        TripCause.ENCODER_INVALID,
-        lambda seen, limits: float(seen.motion.counts[_off_rail(seen.motion.counts, limits) % 3]),
-        lambda seen, limits: float(_rail(seen.motion.counts, limits)),
+        holds=counters_connected,
+        cause=TripCause.ENCODER_INVALID,
+        measured=lambda observed, limits: float(observed.motion.counts[_first_disconnected(observed.motion.counts, limits)]),
+        limit=lambda observed, limits: float(_counter_end(observed.motion.counts, limits)),
     ),
     Rule(
-        counters_follow,
-        TripCause.ENCODER_JUMP,
-        lambda seen, limits: seen.motion.moved_q[_first_jump(seen, limits) % 4],
-        lambda seen, limits: _reach(seen, limits, _first_jump(seen, limits) % 4),
+        holds=counters_follow,
+        cause=TripCause.ENCODER_JUMP,
+        measured=lambda observed, limits: observed.motion.moved_q[_first_jump(observed, limits)],
+        limit=lambda observed, limits: _reach(observed, limits, _first_jump(observed, limits)),
     ),
     Rule(
-        links_obey,
-        TripCause.MOTION_AGAINST,
-        lambda seen, _: seen.motion.against[_first_above(seen.motion.against, BRAKES) % 3],
-        lambda seen, _: BRAKES[_first_above(seen.motion.against, BRAKES) % 3],
+        holds=links_obey,
+        cause=TripCause.MOTION_AGAINST,
+        measured=lambda observed, _: observed.motion.against[_first_above(observed.motion.against, BRAKES)],
+        limit=lambda observed, _: BRAKES[_first_above(observed.motion.against, BRAKES)],
     ),
     Rule(
-        links_move,
-        TripCause.NO_MOTION,
-        lambda seen, _: _least_progress(seen) * 1e-9,
-        lambda _, __: MOVES_WITHIN_NS * 1e-9,
+        holds=links_move,
+        cause=TripCause.NO_MOTION,
+        measured=lambda observed, _: _longest_idle_ns(observed) * 1e-9,
+        limit=lambda _, __: MOVES_WITHIN_NS * 1e-9,
     ),
     Rule(
-        joints_within,
-        TripCause.JOINT_LIMIT,
-        lambda seen, limits: _worst(seen.motion.q, limits.config.joint_low_q, limits.config.joint_high_q)[0],
-        lambda seen, limits: _worst(seen.motion.q, limits.config.joint_low_q, limits.config.joint_high_q)[1],
+        holds=joints_within,
+        cause=TripCause.JOINT_LIMIT,
+        measured=lambda observed, limits: observed.motion.q[
+            _first_outside(observed.motion.q, limits.config.joint_low_q, limits.config.joint_high_q)
+        ],
+        limit=lambda observed, limits: _bound_broken(observed.motion.q, limits.config.joint_low_q, limits.config.joint_high_q),
     ),
     Rule(
-        tip_within,
-        TripCause.WORKSPACE,
-        lambda seen, limits: _worst(seen.motion.tip_m, limits.config.workspace_low_m, limits.config.workspace_high_m)[0],
-        lambda seen, limits: _worst(seen.motion.tip_m, limits.config.workspace_low_m, limits.config.workspace_high_m)[1],
+        holds=tip_within,
+        cause=TripCause.WORKSPACE,
+        measured=lambda observed, limits: observed.motion.tip_m[
+            _first_outside(observed.motion.tip_m, limits.config.workspace_low_m, limits.config.workspace_high_m)
+        ],
+        limit=lambda observed, limits: _bound_broken(
+            observed.motion.tip_m, limits.config.workspace_low_m, limits.config.workspace_high_m
+        ),
     ),
     Rule(
-        joints_slow,
-        TripCause.JOINT_SPEED,
-        lambda seen, limits: seen.motion.speed[_first_above(seen.motion.speed, limits.config.joint_speed_limit) % 3],
-        lambda seen, limits: limits.config.joint_speed_limit[
-            _first_above(seen.motion.speed, limits.config.joint_speed_limit) % 3
+        holds=joints_slow,
+        cause=TripCause.JOINT_SPEED,
+        measured=lambda observed, limits: observed.motion.speed[
+            _first_above(observed.motion.speed, limits.config.joint_speed_limit)
+        ],
+        limit=lambda observed, limits: limits.config.joint_speed_limit[
+            _first_above(observed.motion.speed, limits.config.joint_speed_limit)
         ],
     ),
     Rule(
-        tip_slow,
-        TripCause.TIP_SPEED,
-        lambda seen, _: seen.motion.tip_speed_m_per_s,
-        lambda _, limits: limits.config.tip_speed_limit_m_per_s,
+        holds=tip_slow,
+        cause=TripCause.TIP_SPEED,
+        measured=lambda observed, _: observed.motion.tip_speed_m_per_s,
+        limit=lambda _, limits: limits.config.tip_speed_limit_m_per_s,
     ),
 )

@@ -1,4 +1,4 @@
-"""What one reading of the gauge says beside its value: noise, smooth course, work done, what motion can explain."""
+"""What one reading of the gauge says besides its value: noise, the smooth force, work done, what motion can explain."""
 
 from typing import NamedTuple
 
@@ -9,7 +9,7 @@ from hydrohil.shared.compiled.kernel import kernel
 SMOOTHING_S = 0.02
 
 
-class ForceWatch(NamedTuple):
+class ForceMemory(NamedTuple):
     """What is remembered of the force; all in raw newtons, so that a bias that is still being taken moves nothing."""
 
     counts: int
@@ -21,8 +21,8 @@ class ForceWatch(NamedTuple):
     energy_j: float
 
 
-class Push(NamedTuple):
-    """How the tip went along the gauge, positive into the environment; and what the force is counted from."""
+class GaugeMotion(NamedTuple):
+    """How the tip moved along the gauge, positive into the environment, and the bias that the force is counted from."""
 
     follows: bool  # the sample before is known
     way_m: float  # since then
@@ -33,51 +33,73 @@ class Push(NamedTuple):
 
 
 @kernel
-def force_begin(counts: int, raw_n: float) -> ForceWatch:
+def force_begin(counts: int, raw_n: float) -> ForceMemory:
     """Every window at its first reading."""
-    return ForceWatch(counts, raw_n, raw_n, raw_n, 0, 0, 0.0)
+    return ForceMemory(counts=counts, raw_n=raw_n, smooth_n=raw_n, explained_n=raw_n, quiet_samples=0, held_ns=0, energy_j=0.0)
 
 
 @kernel
 def force_step(
-    watch: ForceWatch, push: Push, counts: int, raw_n: float, quiet_counts: int, level_n: float
-) -> tuple[ForceWatch, GaugeObservation]:
-    """One reading taken in.
+    memory: ForceMemory, motion: GaugeMotion, counts: int, raw_n: float, quiet_counts: int, level_n: float
+) -> tuple[ForceMemory, GaugeObservation]:
+    """Take one reading in.
 
-    smooth   s += (f - s) dt / (tau + dt),  its slope is  (f - s) / tau  after the step
-    energy   E += (s - bias) dp,  never below 0, of one contact: none while s is within the noise of the bias
-    jump     |df| <= 2 noise + (k dt + c) (|v| + count / tau): gauge k, c in series bounds every environment
-    course   f <= u + 2 noise + k count + c (|v| + loose),  u <- min(u + k max(dp, 0), f + c |v|): a push grows only by going in
+    smooth       s += (f - s) dt / (tau + dt),  its slope is  (f - s) / tau  after the step
+    energy       E += (s - bias) dp,  never below 0, of one contact: none while s is within the noise of the bias
+    jump         |df| <= 2 noise + (k dt + c) (|v| + count / tau): gauge k, c in series bounds every environment
+    unexplained  f <= u + 2 noise + k count + c (|v| + loose),  u <- min(u + k max(dp, 0), f + c |v|): only a way in raises u
     """
-    dt_s = push.dt_ns * 1e-9
-    if not push.follows:
-        watch = force_begin(counts, raw_n)
-    smooth_n = watch.smooth_n + (raw_n - watch.smooth_n) * dt_s / (SMOOTHING_S + dt_s)
-    tared_n = smooth_n - push.bias_n
-    quiet = push.follows and push.dt_ns > 0 and abs(counts - watch.counts) <= quiet_counts
-    quiet_samples = watch.quiet_samples + 1 if quiet else 0
-    held_ns = watch.held_ns + push.dt_ns if tared_n > level_n else 0
-    energy_j = _energy(watch.energy_j, tared_n, push.way_m)
-    explained_n = watch.explained_n + GAUGE_N_PER_M * max(0.0, push.way_m)  # a NaN is no way
-    speed = abs(push.speed_m_per_s)
-    seen = GaugeObservation(
-        counts,
-        raw_n,
-        raw_n - push.bias_n,
-        push.bias_n,
-        push.bias_spread_n,
-        tared_n,
-        (raw_n - smooth_n) / SMOOTHING_S,
-        raw_n - watch.raw_n,
-        2.0 * NOISE_N + (GAUGE_N_PER_M * dt_s + GAUGE_NS_PER_M) * (speed + COUNT_M / (SMOOTHING_S + dt_s)),
-        raw_n - explained_n,
-        2.0 * NOISE_N + GAUGE_N_PER_M * COUNT_M + GAUGE_NS_PER_M * (speed + LOOSE_M_PER_S),
-        quiet_samples,
-        held_ns,
-        energy_j,
+    dt_s = motion.dt_ns * 1e-9
+    if not motion.follows:
+        memory = force_begin(counts, raw_n)
+    smooth_n = memory.smooth_n + (raw_n - memory.smooth_n) * dt_s / (SMOOTHING_S + dt_s)
+    tared_n = smooth_n - motion.bias_n
+    quiet = motion.follows and motion.dt_ns > 0 and abs(counts - memory.counts) <= quiet_counts
+    quiet_samples = memory.quiet_samples + 1 if quiet else 0
+    held_ns = memory.held_ns + motion.dt_ns if tared_n > level_n else 0
+    energy_j = _energy(memory.energy_j, tared_n, motion.way_m)
+    explained_n = memory.explained_n + GAUGE_N_PER_M * max(0.0, motion.way_m)  # a NaN is no way
+    speed = abs(motion.speed_m_per_s)
+    observed = GaugeObservation(
+        force_counts=counts,
+        raw_n=raw_n,
+        tared_n=raw_n - motion.bias_n,
+        bias_n=motion.bias_n,
+        bias_spread_n=motion.bias_spread_n,
+        smooth_n=tared_n,
+        rate_n_per_s=(raw_n - smooth_n) / SMOOTHING_S,
+        jump_n=raw_n - memory.raw_n,
+        jump_limit_n=_jump_limit(speed, dt_s),
+        unexplained_n=raw_n - explained_n,
+        unexplained_limit_n=_unexplained_limit(speed),
+        quiet_samples=quiet_samples,
+        held_ns=held_ns,
+        energy_j=energy_j,
     )
     at_most_n = raw_n + GAUGE_NS_PER_M * speed  # a crate that slides ahead takes that much off the reading
-    return ForceWatch(counts, raw_n, smooth_n, min(at_most_n, explained_n), quiet_samples, held_ns, energy_j), seen
+    after = ForceMemory(
+        counts=counts,
+        raw_n=raw_n,
+        smooth_n=smooth_n,
+        explained_n=min(at_most_n, explained_n),
+        quiet_samples=quiet_samples,
+        held_ns=held_ns,
+        energy_j=energy_j,
+    )
+    return after, observed
+
+
+@kernel
+def _jump_limit(speed_m_per_s: float, dt_s: float) -> float:
+    """Largest step of the reading, in N, that noise and the gauge's own spring and damper explain at this speed."""
+    speed_error = COUNT_M / (SMOOTHING_S + dt_s)  # what one count adds to the smooth speed
+    return 2.0 * NOISE_N + (GAUGE_N_PER_M * dt_s + GAUGE_NS_PER_M) * (speed_m_per_s + speed_error)
+
+
+@kernel
+def _unexplained_limit(speed_m_per_s: float) -> float:
+    """Largest reading above what the way into the environment explains, in N: noise, one count, and the damper."""
+    return 2.0 * NOISE_N + GAUGE_N_PER_M * COUNT_M + GAUGE_NS_PER_M * (speed_m_per_s + LOOSE_M_PER_S)
 
 
 @kernel

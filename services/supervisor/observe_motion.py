@@ -1,4 +1,4 @@
-"""What the encoders say beside the pose: steps, smooth speeds, and whether each link goes where its current drives it."""
+"""What the encoders say besides the pose: steps, smooth speeds, and whether each link goes where its current drives it."""
 
 import math
 from typing import NamedTuple
@@ -12,15 +12,15 @@ from hydrohil.shared.contract.pose import Triple
 SMOOTHING_S = 0.02
 
 
-class LinkWatch(NamedTuple):
+class LinkProgress(NamedTuple):
     """One link under a current that must move it."""
 
     sign: int  # of that current; 0 = none
-    furthest_q: float  # where it has got to in that direction
-    idle_ns: int  # since it last got further
+    furthest_q: float  # the furthest position that it has reached in that direction
+    idle_ns: int  # since it reached that position
 
 
-class MotionWatch(NamedTuple):
+class MotionMemory(NamedTuple):
     """What is remembered of the motion."""
 
     q: Triple
@@ -28,12 +28,12 @@ class MotionWatch(NamedTuple):
     tip_m: Triple
     speed: Triple
     tip_m_per_s: Triple
-    rotate: LinkWatch
-    down_up: LinkWatch
-    out_in: LinkWatch
+    rotate: LinkProgress
+    down_up: LinkProgress
+    out_in: LinkProgress
 
 
-class Codes(NamedTuple):
+class DriveCodes(NamedTuple):
     """D/A codes at and beyond which a link must move, and the size of a count."""
 
     low: LinkCounts
@@ -78,57 +78,72 @@ def _driven(code: int, low: int, high: int, q: float, stops: tuple[float, float]
 
 
 @kernel
-def link_step(watch: LinkWatch, sign: int, q: float, dt_ns: int) -> LinkWatch:
-    """Time since the link last got further in the direction of its current; a count of chatter is no progress."""
-    if sign == 0 or sign != watch.sign or sign * (q - watch.furthest_q) > 0.0:
-        return LinkWatch(sign, q, 0)
-    return LinkWatch(sign, watch.furthest_q, watch.idle_ns + dt_ns)
+def link_step(progress: LinkProgress, sign: int, q: float, dt_ns: int) -> LinkProgress:
+    """Time since the link last went further in the direction of its current; a count of chatter is no progress."""
+    if sign == 0 or sign != progress.sign or sign * (q - progress.furthest_q) > 0.0:
+        return LinkProgress(sign=sign, furthest_q=q, idle_ns=0)
+    return LinkProgress(sign=sign, furthest_q=progress.furthest_q, idle_ns=progress.idle_ns + dt_ns)
 
 
 @kernel
-def against(watch: LinkWatch, q: float) -> float:
+def against(progress: LinkProgress, q: float) -> float:
     """How far the link has gone against its current."""
-    return watch.sign * (watch.furthest_q - q)
+    return progress.sign * (progress.furthest_q - q)
 
 
 @kernel
-def _link(watch: LinkWatch, codes: Codes, dac_counts: LinkCounts, pose: Pose, link: int, dt_ns: int) -> LinkWatch:
+def _link(progress: LinkProgress, codes: DriveCodes, dac_counts: LinkCounts, pose: Pose, link: int, dt_ns: int) -> LinkProgress:
     stops = (TRAVEL_LOW[link], TRAVEL_HIGH[link])
     near_q = AT_STOP_COUNTS * codes.count_q[link]
     sign = _driven(dac_counts[link], codes.low[link], codes.high[link], pose.q[link], stops, near_q)
-    return link_step(watch, sign, pose.q[link], dt_ns)
+    return link_step(progress, sign, pose.q[link], dt_ns)
 
 
 @kernel
-def motion_begin(pose: Pose) -> MotionWatch:
+def motion_begin(pose: Pose) -> MotionMemory:
     """Every window at its first pose."""
-    none, still = LinkWatch(0, 0.0, 0), (0.0, 0.0, 0.0)
-    return MotionWatch(pose.q, pose.pitch_rad, pose.tip_m, still, still, none, none, none)
+    none, still = LinkProgress(sign=0, furthest_q=0.0, idle_ns=0), (0.0, 0.0, 0.0)
+    return MotionMemory(
+        q=pose.q,
+        pitch_rad=pose.pitch_rad,
+        tip_m=pose.tip_m,
+        speed=still,
+        tip_m_per_s=still,
+        rotate=none,
+        down_up=none,
+        out_in=none,
+    )
 
 
 @kernel
 def motion_step(
-    watch: MotionWatch, codes: Codes, pose: Pose, dac_counts: LinkCounts, follows: bool, dt_ns: int
-) -> tuple[MotionWatch, MotionObservation]:
-    """One set of counters taken in; without a sample before, nothing has moved yet."""
+    memory: MotionMemory, codes: DriveCodes, pose: Pose, dac_counts: LinkCounts, follows: bool, dt_ns: int
+) -> tuple[MotionMemory, MotionObservation]:
+    """Take one set of counters in; without a sample before, nothing has moved yet."""
     if not follows:
-        watch = motion_begin(pose)
+        memory = motion_begin(pose)
     dt_s = dt_ns * 1e-9
-    q, before = pose.q, watch.q
-    speed = _speeds(watch.speed, q, before, dt_s)
-    tip = _speeds(watch.tip_m_per_s, pose.tip_m, watch.tip_m, dt_s)
-    rotate = _link(watch.rotate, codes, dac_counts, pose, 0, dt_ns)
-    down_up = _link(watch.down_up, codes, dac_counts, pose, 1, dt_ns)
-    out_in = _link(watch.out_in, codes, dac_counts, pose, 2, dt_ns)
-    seen = MotionObservation(
-        q,
-        pose.tip_m,
-        pose.counts,
-        (q[0] - before[0], q[1] - before[1], q[2] - before[2], pose.pitch_rad - watch.pitch_rad),
-        dt_s,
-        speed,
-        math.sqrt(tip[0] * tip[0] + tip[1] * tip[1] + tip[2] * tip[2]),
-        (rotate.idle_ns, down_up.idle_ns, out_in.idle_ns),
-        (against(rotate, q[0]), against(down_up, q[1]), against(out_in, q[2])),
+    q, before = pose.q, memory.q
+    after = MotionMemory(
+        q=q,
+        pitch_rad=pose.pitch_rad,
+        tip_m=pose.tip_m,
+        speed=_speeds(memory.speed, q, before, dt_s),
+        tip_m_per_s=_speeds(memory.tip_m_per_s, pose.tip_m, memory.tip_m, dt_s),
+        rotate=_link(memory.rotate, codes, dac_counts, pose, 0, dt_ns),
+        down_up=_link(memory.down_up, codes, dac_counts, pose, 1, dt_ns),
+        out_in=_link(memory.out_in, codes, dac_counts, pose, 2, dt_ns),
     )
-    return MotionWatch(q, pose.pitch_rad, pose.tip_m, speed, tip, rotate, down_up, out_in), seen
+    tip = after.tip_m_per_s
+    observed = MotionObservation(
+        q=q,
+        tip_m=pose.tip_m,
+        counts=pose.counts,
+        moved_q=(q[0] - before[0], q[1] - before[1], q[2] - before[2], pose.pitch_rad - memory.pitch_rad),
+        dt_s=dt_s,
+        speed=after.speed,
+        tip_speed_m_per_s=math.sqrt(tip[0] * tip[0] + tip[1] * tip[1] + tip[2] * tip[2]),
+        idle_ns=(after.rotate.idle_ns, after.down_up.idle_ns, after.out_in.idle_ns),
+        against=(against(after.rotate, q[0]), against(after.down_up, q[1]), against(after.out_in, q[2])),
+    )
+    return after, observed

@@ -12,10 +12,10 @@ from hydrohil.services.supervisor.machine import (
     QUIET_COUNTS,
     QUIET_NS,
 )
-from hydrohil.services.supervisor.observe import Observing
-from hydrohil.services.supervisor.observe_motion import Codes
+from hydrohil.services.supervisor.observe import ObserverParams
+from hydrohil.services.supervisor.observe_motion import DriveCodes
 from hydrohil.services.supervisor.rule import Limits
-from hydrohil.services.supervisor.step import SupervisorParams
+from hydrohil.services.supervisor.state import SupervisorParams
 from hydrohil.shared.contract.converters import N_PER_FORCE_COUNT, calibration
 from hydrohil.shared.contract.deadline_window import missed_limit
 from hydrohil.shared.contract.messages import PlantDescription
@@ -35,7 +35,7 @@ def supervisor_params(
 
     return SupervisorParams(
         limits(config, description),
-        observing(config, description, tare_ticks),
+        observer_params(config, description, tare_ticks),
         duration_ticks,
         samples(_LEAD_S),
         samples(_ARMED_S),
@@ -62,10 +62,10 @@ def limits(config: SupervisorConfig, description: PlantDescription) -> Limits:
     )
 
 
-def observing(config: SupervisorConfig, description: PlantDescription, tare_ticks: int) -> Observing:
+def observer_params(config: SupervisorConfig, description: PlantDescription, tare_ticks: int) -> ObserverParams:
     """What the windows are computed with."""
     rotate, down_up, out_in = description.converters
-    codes = Codes(
+    codes = DriveCodes(
         (
             math.floor((-MOVES_DOWN_A[0] - rotate.offset) / rotate.scale),
             math.floor((-MOVES_DOWN_A[1] - down_up.offset) / down_up.scale),
@@ -78,7 +78,7 @@ def observing(config: SupervisorConfig, description: PlantDescription, tare_tick
         ),
         (abs(description.encoders[0].scale), abs(description.encoders[1].scale), abs(description.encoders[2].scale)),
     )
-    return Observing(
+    return ObserverParams(
         calibration(description.encoders, description.force),
         codes,
         tare_ticks,

@@ -23,7 +23,7 @@ def fold(rules: tuple[Rule, ...]) -> Callable[[Observed, Limits], Broken]:
 
 
 @kernel
-def _nothing_broken(seen: Observed, limits: Limits) -> Broken:
+def _nothing_broken(observed: Observed, limits: Limits) -> Broken:
     return 0, 0.0, 0.0
 
 
@@ -31,10 +31,10 @@ def _before(
     holds: Verdict, cause: int, measured: Number, limit: Number, rest: Callable[[Observed, Limits], Broken]
 ) -> Callable[[Observed, Limits], Broken]:
     @kernel
-    def first_broken(seen: Observed, limits: Limits) -> Broken:
-        if not holds(seen, limits):
-            return cause, measured(seen, limits), limit(seen, limits)
-        return rest(seen, limits)
+    def first_broken(observed: Observed, limits: Limits) -> Broken:
+        if not holds(observed, limits):
+            return cause, measured(observed, limits), limit(observed, limits)
+        return rest(observed, limits)
 
     return first_broken
 

@@ -6,12 +6,13 @@ from collections.abc import Callable
 from typing import Any, NamedTuple
 
 from hydrohil.services.supervisor.config import SupervisorConfig
-from hydrohil.services.supervisor.lockstep_queue import InStep
+from hydrohil.services.supervisor.lockstep_queue import LockstepQueue
 from hydrohil.services.supervisor.modes import DISARMED, TRIPPED, Event
-from hydrohil.services.supervisor.observe import Links
+from hydrohil.services.supervisor.observe import LinkHealth
 from hydrohil.services.supervisor.params import supervisor_params
 from hydrohil.services.supervisor.prearm_checks import Declared, prearm_problem
-from hydrohil.services.supervisor.step import Asked, SupervisorMemory, supervisor_step
+from hydrohil.services.supervisor.state import SupervisorInput, SupervisorMemory
+from hydrohil.services.supervisor.step import supervisor_step
 from hydrohil.shared.contract.codec import Received
 from hydrohil.shared.contract.deadline_window import quality
 from hydrohil.shared.contract.envelope import Envelope, section
@@ -71,7 +72,7 @@ class Supervisor:
         self.samples, self.descriptions = bus.subscribe("plant/sample"), bus.subscribe("plant/description")
         self.states = bus.subscribe("controller/state")
         self._inboxes = (self.samples, self.states, self.descriptions)
-        self._lockstep_queue = InStep(bus, self.states)
+        self._lockstep_queue = LockstepQueue(bus, self.states)
         self.memory = SupervisorMemory()
         self.description: PlantDescription | None = None
         self.envelope: Envelope | None = None
@@ -86,7 +87,7 @@ class Supervisor:
         self._others = 0  # frames of another run at the last verdict
 
     def run(self, stopped: Callable[[], bool]) -> None:
-        """Until told to stop: samples are judged where they arrive, their absence and requests here."""
+        """Until nonzero_counts to stop: samples are judged where they arrive, their absence and requests here."""
         step_lock = StepLock(self.step)
         self.bus.step_on_arrival(step_lock)
         while not stopped():
@@ -162,7 +163,9 @@ class Supervisor:
         self.faults.spend()
         event, request = self.asked.pop(0) if self.asked else (Event.NOTHING, None)
         ready = self.controller is not None and self.controller.body.ready == 1
-        asked = Asked(int(event), self._drawn, self._prearm_problem(message) == "", ready, stale_ns, self._links(message))
+        asked = SupervisorInput(
+            int(event), self._drawn, self._prearm_problem(message) == "", ready, stale_ns, self._links(message)
+        )
         before = self.memory
         self.memory, self.permit = supervisor_step(self.memory, self.params, message.body, asked)
         if self.memory.arming_id not in (0, before.arming_id):
@@ -185,14 +188,14 @@ class Supervisor:
         for request in held:
             self._reply(Event.RESET, request, message)
 
-    def _links(self, message: Received) -> Links:
+    def _links(self, message: Received) -> LinkHealth:
         """What the inboxes have shown, by wall time or, in lockstep, by the sample's; frames of another run since then."""
         now_ns = message.body.time_ns if self._lockstep else time.monotonic_ns()
-        seen = worst(*(inbox.protection.observe(now_ns) for inbox in self._inboxes))
+        observed = worst(*(inbox.protection.observe(now_ns) for inbox in self._inboxes))
         others = sum(inbox.acceptance.other_run for inbox in self._inboxes)
         before, self._others = self._others, others
         answered = NO_COMMAND if self.controller is None else self.controller.header.echo_number
-        return Links(seen.faults, seen.epoch_conflicts, others - before, message.body.number - answered)
+        return LinkHealth(observed.faults, observed.epoch_conflicts, others - before, message.body.number - answered)
 
     @property
     def _lockstep(self) -> bool:
@@ -233,7 +236,7 @@ class Supervisor:
 
     def _warnings(self) -> list[str]:
         """What is borne, and should be known: the lease decides when it is not borne any more."""
-        late = self.memory.watch.answers.in_a_row
+        late = self.memory.observer.answers.in_a_row
         if late <= LATE_IN_A_ROW or self.description is None:
             return []
         return [f"{late} answers in a row were late or missing; the lease bears {self.params.limits.lease_samples}"]
@@ -301,10 +304,10 @@ class Supervisor:
             "measured": self.memory.measured,
             "limit": self.memory.limit,
             "arming_id": self.memory.arming_id,
-            "force_bias_n": self.memory.watch.bias.mean_n,
+            "force_bias_n": self.memory.observer.bias.mean_n,
             "experiment": self.bus.run.experiment.hex(),
             "run": self.bus.run.run,
-            "in_time": quality(self.memory.watch.answers.missed),
+            "in_time": quality(self.memory.observer.answers.missed),
             "warnings": self._warnings(),
             "qualification": plain(self.qualification),
             "qualified": self.qualification.words,

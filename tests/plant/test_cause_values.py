@@ -24,7 +24,7 @@ AT_ONCE = LOOSE._replace(slew_codes=2456)
 
 
 @pytest.mark.parametrize(
-    ("cause", "seen", "limits", "told"),
+    ("cause", "observed", "limits", "told"),
     [
         (GateCause.PERMIT_STALE, permit(age_ns=TTL + 1), LIMITS, (0.020000001, 0.02)),
         (GateCause.COMMAND_STALE, command(age_ns=2 * TTL), LIMITS, (0.04, 0.02)),
@@ -50,10 +50,10 @@ AT_ONCE = LOOSE._replace(slew_codes=2456)
         (GateCause.ESTOP, FINE._replace(estop=True), LIMITS, (0.0, 0.0)),
     ],
 )
-def test_a_decision_tells_the_number_that_it_was_made_by(cause, seen, limits, told):
+def test_a_decision_tells_the_number_that_it_was_made_by(cause, observed, limits, told):
     before = GateMemory()
-    assert step(before, seen, limits).cause == cause
-    assert cause_values(int(cause), before, seen, limits) == pytest.approx(told)
+    assert step(before, observed, limits).cause == cause
+    assert cause_values(int(cause), before, observed, limits) == pytest.approx(told)
 
 
 def test_a_step_is_told_against_where_the_codes_stood():
@@ -69,5 +69,5 @@ def test_every_cause_has_its_numbers_or_none_whatever_was_seen(cause):
 
 @pytest.mark.parametrize("cause", [GateCause.OUT_OF_RANGE, GateCause.NOT_UNLOADING])
 def test_where_no_code_is_beyond_there_is_no_number(cause):
-    for seen in (FINE, recovering(2048, 2000, 2048)):
-        assert cause_values(int(cause), GateMemory(), seen, LIMITS) == (0.0, 0.0)
+    for observed in (FINE, recovering(2048, 2000, 2048)):
+        assert cause_values(int(cause), GateMemory(), observed, LIMITS) == (0.0, 0.0)

@@ -59,14 +59,14 @@ def test_recovering_and_running_burn_alike():
 
 @pytest.mark.parametrize(("first", "then"), [(Mode.RUNNING, Mode.RECOVER), (Mode.RECOVER, Mode.RUNNING)])
 def test_an_arming_is_good_for_one_mode_only(first, then):
-    def seen(mode):
+    def observed(mode):
         return FINE._replace(permit=FINE.permit._replace(mode=int(mode), recover_signs=(0, 0, -1)))
 
-    memory = step(step(GateMemory(), seen(first)), seen(first))
+    memory = step(step(GateMemory(), observed(first)), observed(first))
     assert memory.state in (GateState.OPEN, GateState.RECOVERING)
-    memory = step(memory, seen(then))
+    memory = step(memory, observed(then))
     assert (memory.cause, memory.codes) == (GateCause.OTHER_ARMING, ZERO)
-    assert step(memory, seen(first)).cause == GateCause.REVOKED_ARMING
+    assert step(memory, observed(first)).cause == GateCause.REVOKED_ARMING
 
 
 def test_the_number_of_a_refused_command_is_still_reported():

@@ -111,27 +111,29 @@ def test_it_opens_when_everything_holds_and_binds_arming_and_epochs():
     )
 
 
-@pytest.mark.parametrize("seen", HOLDS.values(), ids=HOLDS)
+@pytest.mark.parametrize("observed", HOLDS.values(), ids=HOLDS)
 @pytest.mark.parametrize("before", [GateMemory(), opened()], ids=["shut", "open"])
-def test_at_its_limit_a_condition_still_holds(before, seen):
-    after = step(before, seen, AT_ONCE)
-    assert (after.state, after.cause, after.codes) == (GateState.OPEN, GateCause.NONE, seen.command.codes)
+def test_at_its_limit_a_condition_still_holds(before, observed):
+    after = step(before, observed, AT_ONCE)
+    assert (after.state, after.cause, after.codes) == (GateState.OPEN, GateCause.NONE, observed.command.codes)
 
 
-@pytest.mark.parametrize(("seen", "cause"), BROKEN.values(), ids=BROKEN)
-def test_just_past_its_limit_a_condition_cuts_to_zero_current_and_burns(seen, cause):
+@pytest.mark.parametrize(("observed", "cause"), BROKEN.values(), ids=BROKEN)
+def test_just_past_its_limit_a_condition_cuts_to_zero_current_and_burns(observed, cause):
     moving = step(opened(), codes(2100, 2000, 2048))
-    after = step(moving, seen)
+    after = step(moving, observed)
     assert (after.cause, after.codes, after.revoked[0]) == (cause, ZERO, ARMING_ID)
     assert (after.arming_id, after.permit_epoch, after.command_epoch, after.open_samples) == (0, 0, 0, 0)
-    assert after.state == (GateState.REVOKED if seen.permit.present and seen.permit.arming_id == ARMING_ID else GateState.SHUT)
+    assert after.state == (
+        GateState.REVOKED if observed.permit.present and observed.permit.arming_id == ARMING_ID else GateState.SHUT
+    )
     assert step(after, FINE).cause == GateCause.REVOKED_ARMING
 
 
-@pytest.mark.parametrize(("seen", "cause"), BROKEN.values(), ids=BROKEN)
-def test_a_shut_gate_stays_shut_and_burns_only_on_what_is_ours_but_wrong(seen, cause):
-    after = step(GateMemory(), seen)
-    wrong = cause in REVOKES_WHILE_SHUT and seen.permit.arming_id != 0
+@pytest.mark.parametrize(("observed", "cause"), BROKEN.values(), ids=BROKEN)
+def test_a_shut_gate_stays_shut_and_burns_only_on_what_is_ours_but_wrong(observed, cause):
+    after = step(GateMemory(), observed)
+    wrong = cause in REVOKES_WHILE_SHUT and observed.permit.arming_id != 0
     assert (after.cause, after.codes) == (cause, ZERO)
     assert after.revoked == ((ARMING_ID,) + (0,) * 15 if wrong else (0,) * 16)
     assert after.state == (GateState.REVOKED if wrong else GateState.SHUT)
@@ -154,14 +156,14 @@ def test_the_emergency_stop_is_named_before_every_other_cause():
 
 
 @pytest.mark.parametrize(
-    ("seen", "cause"),
+    ("observed", "cause"),
     [(permit(epoch=SUPERVISOR + 1), GateCause.EPOCH_CHANGED), (command(epoch=CONTROLLER + 1), GateCause.EPOCH_CHANGED)],
     ids=["supervisor", "controller"],
 )
-def test_a_bound_sender_that_changes_epoch_is_a_cut(seen, cause):
-    after = step(opened(), seen)
+def test_a_bound_sender_that_changes_epoch_is_a_cut(observed, cause):
+    after = step(opened(), observed)
     assert (after.state, after.cause, after.codes) == (GateState.REVOKED, cause, ZERO)
-    assert step(GateMemory(), seen).state == GateState.OPEN  # unbound, it is free to be any
+    assert step(GateMemory(), observed).state == GateState.OPEN  # unbound, it is free to be any
 
 
 def test_a_permit_of_another_arming_cuts_and_opens_only_at_the_next_judgement():

@@ -27,10 +27,15 @@ LIMITS_DRAWN = st.sampled_from([LIMITS, LIMITS._replace(tight_samples=0), LIMITS
 gate_step_compiled = compiled(gate_step)
 
 
-def everything_holds(seen):
+def everything_holds(observed):
     """The specification once more, in other words than the gate's."""
-    permit, command = seen.permit, seen.command
-    may_run = permit.mode == Mode.RUNNING and seen.tick >= 0 and 0 <= seen.force_counts < 518 and -420.0 <= seen.force_n <= 420.0
+    permit, command = observed.permit, observed.command
+    may_run = (
+        permit.mode == Mode.RUNNING
+        and observed.tick >= 0
+        and 0 <= observed.force_counts < 518
+        and -420.0 <= observed.force_n <= 420.0
+    )
     unloads = permit.mode == Mode.RECOVER and all(
         code == 2048 or 0 < (code - 2048) * sign <= 700 for code, sign in zip(command.codes, permit.recover_signs, strict=True)
     )
@@ -41,10 +46,10 @@ def everything_holds(seen):
         and 0 <= permit.age_ns <= TTL
         and 0 <= command.age_ns <= TTL
         and all(820 <= code <= 3276 for code in command.codes)
-        and not seen.estop
-        and not seen.overrun
-        and seen.link_faults < 2
-        and seen.epoch_conflicts < 2
+        and not observed.estop
+        and not observed.overrun
+        and observed.link_faults < 2
+        and observed.epoch_conflicts < 2
         and (may_run or unloads)
     )
 
@@ -54,12 +59,12 @@ class GateUnderFire(RuleBasedStateMachine):
 
     @initialize()
     def boot(self):
-        self.memory, self.before, self.seen = GateMemory(), GateMemory(), None
+        self.memory, self.before, self.observed = GateMemory(), GateMemory(), None
         self.dead = set()  # armings that a cut has revoked, never forgotten here
 
-    @rule(seen=ANYTHING, at_latch=st.booleans())
-    def judge_anything(self, seen, at_latch):
-        self._judge(seen, at_latch)
+    @rule(observed=ANYTHING, at_latch=st.booleans())
+    def judge_anything(self, observed, at_latch):
+        self._judge(observed, at_latch)
 
     @rule(
         arming_id=st.integers(1, 12), mode=st.sampled_from([2, 4]), codes=st.tuples(CODES, CODES, CODES), times=st.integers(1, 25)
@@ -78,9 +83,9 @@ class GateUnderFire(RuleBasedStateMachine):
     def go_absent(self):
         self._judge(FINE._replace(permit=PERMIT._replace(present=False)), True)
 
-    def _judge(self, seen, at_latch):
-        self.before, self.seen = self.memory, seen
-        self.memory = gate_step(self.memory, LIMITS, seen, at_latch)
+    def _judge(self, observed, at_latch):
+        self.before, self.observed = self.memory, observed
+        self.memory = gate_step(self.memory, LIMITS, observed, at_latch)
         was_open = self.before.state in (GateState.OPEN, GateState.RECOVERING)
         if was_open and self.memory.cause:
             self.dead.add(self.before.arming_id)
@@ -91,9 +96,9 @@ class GateUnderFire(RuleBasedStateMachine):
         assert is_open == (self.memory.cause == 0) == (self.memory.arming_id != 0)
         if self.memory.codes != ZERO or is_open:
             assert is_open
-            assert everything_holds(self.seen)
-            assert self.memory.arming_id == self.seen.permit.arming_id not in self.dead
-            assert self.memory.codes == self.seen.command.codes
+            assert everything_holds(self.observed)
+            assert self.memory.arming_id == self.observed.permit.arming_id not in self.dead
+            assert self.memory.codes == self.observed.command.codes
             slew = LIMITS.slew_codes if self.before.open_samples >= LIMITS.tight_samples else LIMITS.tight_slew_codes
             assert max(abs(a - b) for a, b in zip(self.memory.codes, self.before.codes, strict=True)) <= slew
         if is_open and self.before.arming_id:
@@ -116,7 +121,7 @@ TestGateUnderFire = GateUnderFire.TestCase
 @given(st.lists(ANYTHING, min_size=1, max_size=4), LIMITS_DRAWN, st.booleans())
 def test_plain_and_compiled_gates_agree_on_anything(inputs, limits, at_latch):
     plain = machine = gate_step(GateMemory(), limits, FINE, True)
-    for seen in inputs:
-        plain = gate_step(plain, limits, seen, at_latch)
-        machine = gate_step_compiled(machine, limits, seen, at_latch)
+    for observed in inputs:
+        plain = gate_step(plain, limits, observed, at_latch)
+        machine = gate_step_compiled(machine, limits, observed, at_latch)
         assert tuple(machine) == plain

@@ -37,10 +37,10 @@ def survives(probability: float, trial: int) -> bool:
         if not outcome(route, tick).lost:
             mailbox.take_command(Received(0, "", head, Command(ZERO)), Run())
         now_ns = time_ns + LATCH_NS
-        seen = GateInput(
+        observed = GateInput(
             mailbox.observe_permit(now_ns), mailbox.observe_command(now_ns), 10, 13.0, max(0, tick), False, False, 0, 0
         )
-        gate = gate_step(gate, limits, seen, True)
+        gate = gate_step(gate, limits, observed, True)
     return gate.state == GateState.OPEN
 
 

@@ -12,15 +12,16 @@ import pytest
 from hydrohil.services.plant.config import GateLimits
 from hydrohil.services.plant.gate import CommandObservation, GateInput, GateMemory, PermitObservation, gate_step
 from hydrohil.services.supervisor.modes import Event
-from hydrohil.services.supervisor.observe import Heard, observe_step
+from hydrohil.services.supervisor.observe import SampleContext, observe_step
 from hydrohil.services.supervisor.rules import first_broken
-from hydrohil.services.supervisor.step import SupervisorMemory, supervisor_step
+from hydrohil.services.supervisor.state import SupervisorMemory
+from hydrohil.services.supervisor.step import supervisor_step
 from hydrohil.shared.contract.messages import NO_COMMAND, NO_TRIAL, GateState, Mode
 from tests.support.supervisor_scene import DESCRIPTION, LEVEL, PARAMS, asked, sample
 
 LIMITS = GateLimits()
 ZERO = (2048, 2048, 2048)
-NOW = PARAMS._replace(observing=PARAMS.observing._replace(tare_ticks=0), lead_samples=1, recover_samples=1)
+NOW = PARAMS._replace(observer=PARAMS.observer._replace(tare_ticks=0), lead_samples=1, recover_samples=1)
 BEYOND = (
     LEVEL[0],
     round((0.6 - DESCRIPTION.encoders[1].offset) / DESCRIPTION.encoders[1].scale),
@@ -66,34 +67,37 @@ def sampled(state, number, flags):
     return sample(number, tick, gate=gate.state, gate_cause=gate.cause, dac_counts=gate.codes, **changes)
 
 
-def judged(seen, memory, arming_id, permit, flags):
+def judged(current, memory, arming_id, permit, flags):
     """What the gate does with the permit and an answer of the same arming."""
     unloads = permit.mode == Mode.RECOVER
     codes = tuple(2048 + 12 * (sign if unloads else 1) for sign in permit.recover_signs)
     of_permit = PermitObservation(True, arming_id, 1, permit.mode, 4_000_000, permit.recover_signs)
-    command = CommandObservation(not flags.controller, arming_id, 2, 4_000_000, seen.number, codes)
-    force_n = seen.force_counts * PARAMS.observing.calibration.force_n_per_count
+    command = CommandObservation(not flags.controller, arming_id, 2, 4_000_000, current.number, codes)
+    force_n = current.force_counts * PARAMS.observer.calibration.force_n_per_count
     return gate_step(
-        memory, LIMITS, GateInput(of_permit, command, seen.force_counts, force_n, seen.tick, flags.pressed, False, 0, 0), True
+        memory,
+        LIMITS,
+        GateInput(of_permit, command, current.force_counts, force_n, current.tick, flags.pressed, False, 0, 0),
+        True,
     )
 
 
-def judged_by_rules(memory, seen, wanted):
-    heard = Heard(memory.mode == Mode.RUNNING, wanted.stale_ns, wanted.controller_ready, wanted.links)
-    return observe_step(memory.watch, NOW.observing, seen, heard)[1]
+def judged_by_rules(memory, current, inputs):
+    context = SampleContext(memory.mode == Mode.RUNNING, inputs.stale_ns, inputs.controller_ready, inputs.links)
+    return observe_step(memory.observer, NOW.observer, current, context)[1]
 
 
 def stepped(state, number, flags, event):
-    """Both memories after one sample, what was seen, and what the rules say of it."""
+    """Both memories after one sample, the sample, and what the rules say of it."""
     if flags.lost:
         state = state._replace(
-            supervisor=state.supervisor._replace(watch=state.supervisor.watch._replace(last_number=number - 10))
+            supervisor=state.supervisor._replace(observer=state.supervisor.observer._replace(last_number=number - 10))
         )
-    seen = sampled(state[:2], number, flags)
-    wanted = asked(event, new_arming_id=number, agreed=not flags.disagreed, controller_ready=not flags.controller)
-    broken = first_broken(judged_by_rules(state.supervisor, seen, wanted), NOW.limits)[0]
-    supervisor, permit = supervisor_step(state.supervisor, NOW, seen, wanted)
-    return supervisor, judged(seen, state.gate, supervisor.arming_id, permit, flags), seen, broken
+    current = sampled(state[:2], number, flags)
+    inputs = asked(event, new_arming_id=number, agreed=not flags.disagreed, controller_ready=not flags.controller)
+    broken = first_broken(judged_by_rules(state.supervisor, current, inputs), NOW.limits)[0]
+    supervisor, permit = supervisor_step(state.supervisor, NOW, current, inputs)
+    return supervisor, judged(current, state.gate, supervisor.arming_id, permit, flags), current, broken
 
 
 def acts_after(state, supervisor, gate, event):
@@ -104,7 +108,7 @@ def acts_after(state, supervisor, gate, event):
     return (*state.acts, event) if new else state.acts
 
 
-def check(before, after, flags, event, seen, broken):
+def check(before, after, flags, event, current, broken):
     """Current only if everything that may stop it is quiet, and an operator has led there step by step."""
     supervisor, gate, acts = after
     flows = gate.codes != ZERO
@@ -114,10 +118,10 @@ def check(before, after, flags, event, seen, broken):
     assert not (flags.pressed or flags.controller) and event not in (Event.ESTOP, Event.STOP)
     assert gate.arming_id == supervisor.arming_id != 0
     assert gate.arming_id not in before.gate.revoked
-    assert event != Event.RESET or gate == stepped(before, seen.number, flags, Event.NOTHING)[1]  # a reset moves nothing
+    assert event != Event.RESET or gate == stepped(before, current.number, flags, Event.NOTHING)[1]  # a reset moves nothing
     if supervisor.mode == Mode.RUNNING:
         assert (broken, flags.force, flags.joint, flags.lost) == (0, False, False, False)
-        assert seen.tick >= 0
+        assert current.tick >= 0
         assert [act for act in acts if act in (Event.ARM, Event.START)][:2] == [Event.ARM, Event.START]
     else:
         assert supervisor.mode == Mode.RECOVER
@@ -133,9 +137,9 @@ def walk(starts, steps, length, number=100):
         following = set()
         for state in reached:
             for flags, event in steps:
-                supervisor, gate, seen, broken = stepped(state, number, flags, event)
+                supervisor, gate, current, broken = stepped(state, number, flags, event)
                 after = Walked(supervisor, gate, acts_after(state, supervisor, gate, event))
-                check(state, after, flags, event, seen, broken)
+                check(state, after, flags, event, current, broken)
                 following.add(after)
                 taken += 1
         reached, number = following, number + 1

@@ -18,12 +18,12 @@ FULL = 12
 
 
 def flagged(rows):
-    """The rows with flags in place of predicates: bit i of what is seen set = row i is broken."""
+    """The rows with flags in place of predicates: bit i of what is observed set = row i is broken."""
     return tuple(
         rule._replace(
-            holds=lambda seen, _, i=i: not seen >> i & 1,
-            measured=lambda seen, _, i=i: float(i),
-            limit=lambda seen, _, i=i: -float(i),
+            holds=lambda observed, _, i=i: not observed >> i & 1,
+            measured=lambda observed, _, i=i: float(i),
+            limit=lambda observed, _, i=i: -float(i),
         )
         for i, rule in enumerate(rows)
     )
@@ -84,13 +84,19 @@ def test_the_chain_is_one_link_a_row_in_order_and_nothing_else():
 def test_a_link_gives_its_own_verdict_if_its_row_is_broken_and_else_the_rest_s_untouched():
     asked, theirs = [], (99, 1.5, 2.5)
 
-    def rest(seen, limits):
-        asked.append((seen, limits))
+    def rest(observed, limits):
+        asked.append((observed, limits))
         return theirs
 
     for holds in (True, False):
         asked.clear()
-        link = _before(lambda seen, limits, holds=holds: holds, 7, lambda seen, limits: seen, lambda seen, limits: limits, rest)
+        link = _before(
+            lambda observed, limits, holds=holds: holds,
+            7,
+            lambda observed, limits: observed,
+            lambda observed, limits: limits,
+            rest,
+        )
         assert link(3.0, 4.0) == (theirs if holds else (7, 3.0, 4.0))
         assert asked == ([(3.0, 4.0)] if holds else [])
 

@@ -64,7 +64,7 @@ def circumstances():
         yield holds, {**dict(zip(CIRCUMSTANCES, rest, strict=False)), "link_faults": 2 - clean, "epoch_conflicts": 2 - alone}
 
 
-CIRCUMSTANCES = ("force_counts", "force_n", "tick", "estop", "overran")
+CIRCUMSTANCES = ("force_counts", "force_n", "tick", "estop", "overrun")
 REST = [(holds, FINE._replace(**rest)) for holds, rest in circumstances()]
 
 
@@ -107,13 +107,13 @@ def opened_against_the_rule(memory, mode, at_most):
     for of_permit, permit in chosen(permits(mode), at_most):
         for of_command, command in chosen(commands(), at_most):
             for rest, around in REST:
-                seen = GateInput(permit, command, *around[2:])
-                after = gate_step(memory, LIMITS, seen, True)
+                observed = GateInput(permit, command, *around[2:])
+                after = gate_step(memory, LIMITS, observed, True)
                 revoked = permit.arming_id in memory.revoked and permit.arming_id != 0
                 is_open = after.codes != ZERO or after.state in OPEN
                 opened += is_open
                 if is_open != may_open(memory, mode, of_permit, of_command, rest, revoked) or (is_open and after.cause):
-                    wrong.append((seen, after))
+                    wrong.append((observed, after))
     return wrong, opened
 
 

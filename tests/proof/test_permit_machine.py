@@ -5,14 +5,15 @@ from hypothesis import strategies as st
 from hypothesis.stateful import RuleBasedStateMachine, initialize, invariant, precondition, rule
 
 from hydrohil.services.supervisor.modes import Event
-from hydrohil.services.supervisor.observe import Heard, Links, observe_step
+from hydrohil.services.supervisor.observe import LinkHealth, SampleContext, observe_step
 from hydrohil.services.supervisor.rules import first_broken
-from hydrohil.services.supervisor.step import SupervisorMemory, supervisor_step
+from hydrohil.services.supervisor.state import SupervisorMemory
+from hydrohil.services.supervisor.step import supervisor_step
 from hydrohil.shared.contract.messages import NO_COMMAND, NO_TRIAL, GateCause, GateState, Mode, TripCause
 from tests.support.supervisor_scene import BIAS, DURATION, LEVEL, LIMITS, PARAMS, asked, sample
 
 PERMITTED = (Mode.ARMED, Mode.RUNNING, Mode.RECOVER)
-QUIET = Links(0, 0, 0, 1)
+QUIET = LinkHealth(0, 0, 0, 1)
 BENT = (LEVEL[0], 20, *LEVEL[2:])  # link 2 past its limit
 WRONG = st.sampled_from(
     [
@@ -25,7 +26,7 @@ WRONG = st.sampled_from(
         {"command_number": 0},
     ]
 )
-LINKS = st.builds(Links, *[st.sampled_from([0, 1, 2, 8])] * 3, st.sampled_from([-40, 0, 1, 2, 40]))
+LINKS = st.builds(LinkHealth, *[st.sampled_from([0, 1, 2, 8])] * 3, st.sampled_from([-40, 0, 1, 2, 40]))
 
 
 class PermitUnderFire(RuleBasedStateMachine):
@@ -44,19 +45,26 @@ class PermitUnderFire(RuleBasedStateMachine):
         return row - BIAS if begun else NO_TRIAL
 
     def step(self, event=Event.NOTHING, *, steps=1, stale_ns=0, **changes):
-        heard = {name: changes.pop(name) for name in ("agreed", "controller_ready", "links") if name in changes}
+        others = {name: changes.pop(name) for name in ("agreed", "controller_ready", "links") if name in changes}
         for _ in range(steps):
             self.number += not stale_ns
             self.drawn += 1
-            seen = sample(self.number, self.tick(), **changes)
-            wanted = asked(event, new_arming_id=self.drawn, stale_ns=stale_ns, **heard)
+            current = sample(self.number, self.tick(), **changes)
+            inputs = asked(event, new_arming_id=self.drawn, stale_ns=stale_ns, **others)
             running = self.memory.mode == Mode.RUNNING
             observed = observe_step(
-                self.memory.watch, PARAMS.observing, seen, Heard(running, stale_ns, wanted.controller_ready, wanted.links)
+                self.memory.observer,
+                PARAMS.observer,
+                current,
+                SampleContext(running, stale_ns, inputs.controller_ready, inputs.links),
             )[1]
-            self.broken, self.event, self.pressed = first_broken(observed, LIMITS)[0], event, seen.gate_cause == GateCause.ESTOP
+            self.broken, self.event, self.pressed = (
+                first_broken(observed, LIMITS)[0],
+                event,
+                current.gate_cause == GateCause.ESTOP,
+            )
             self.before = self.memory
-            self.memory, self.permit = supervisor_step(self.memory, PARAMS, seen, wanted)
+            self.memory, self.permit = supervisor_step(self.memory, PARAMS, current, inputs)
             self.check()
 
     @rule(event=st.sampled_from(Event))

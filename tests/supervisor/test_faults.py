@@ -7,7 +7,7 @@ import pytest
 from hydrohil.services.plant.config import GateLimits
 from hydrohil.services.plant.plant_description import describe
 from hydrohil.services.supervisor.machine import MOVES_WITHIN_NS
-from hydrohil.services.supervisor.params import observing
+from hydrohil.services.supervisor.params import observer_params
 from hydrohil.shared.contract.faults import Fault
 from hydrohil.shared.contract.messages import Mode, TripCause
 from hydrohil.simulation.rollout import play_local
@@ -90,7 +90,7 @@ def test_a_link_that_does_not_obey_trips_within_200_ms_of_a_current_that_must_mo
     outcome = broken(name, kind, target, value)
     experiment = find(name)
     described = describe(experiment.plant, GateLimits())
-    codes = observing(experiment.supervisor, described, 1).codes
+    codes = observer_params(experiment.supervisor, described, 1).codes
     driven_ns = 0
     for row in reversed(outcome.rows.dac_counts[outcome.rows.tick >= FIRST][:-1]):
         if not any(row[i] >= codes.high[i] or row[i] <= codes.low[i] for i in range(3)):

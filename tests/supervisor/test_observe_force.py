@@ -7,42 +7,42 @@ import pytest
 
 from hydrohil.services.plant.noise import force_noise_n
 from hydrohil.services.supervisor.machine import COUNT_M, GAUGE_N_PER_M, GAUGE_NS_PER_M, LOOSE_M_PER_S, NOISE_N
-from hydrohil.services.supervisor.observe_force import SMOOTHING_S, ForceWatch, Push, force_begin, force_step
+from hydrohil.services.supervisor.observe_force import SMOOTHING_S, ForceMemory, GaugeMotion, force_begin, force_step
 from hydrohil.shared.contract.converters import N_PER_FORCE_COUNT
 
 DT_NS = 4_500_000
 DT_S = 0.0045
-NOTHING = ForceWatch(0, 0.0, 0.0, 0.0, 0, 0, 0.0)
-REST = Push(True, 0.0, 0.0, DT_NS, 0.0, 4.0)
+NOTHING = ForceMemory(0, 0.0, 0.0, 0.0, 0, 0, 0.0)
+REST = GaugeMotion(True, 0.0, 0.0, DT_NS, 0.0, 4.0)
 
 
-def step(watch, raw_n, push=REST, quiet_counts=1, level_n=300.0):
-    return force_step(watch, push, math.floor(raw_n / N_PER_FORCE_COUNT), raw_n, quiet_counts, level_n)
+def step(memory, raw_n, motion=REST, quiet_counts=1, level_n=300.0):
+    return force_step(memory, motion, math.floor(raw_n / N_PER_FORCE_COUNT), raw_n, quiet_counts, level_n)
 
 
-def played(readings, push=REST, watch=None, **changes):
-    seen = None
+def played(readings, motion=REST, memory=None, **changes):
+    observed = None
     for raw_n in readings:
-        follows = watch is not None
-        watch, seen = step(watch or NOTHING, raw_n, push._replace(follows=follows), **changes)
-    return watch, seen
+        follows = memory is not None
+        memory, observed = step(memory or NOTHING, raw_n, motion._replace(follows=follows), **changes)
+    return memory, observed
 
 
 def test_the_first_reading_begins_every_window():
-    watch, seen = step(ForceWatch(7, 500.0, 400.0, 90.0, 9, 99, 9.0), 50.0, REST._replace(follows=False))
-    assert watch == ForceWatch(37, 50.0, 50.0, 50.0, 0, 0, 0.0)
-    assert (seen.jump_n, seen.rate_n_per_s, seen.unexplained_n, seen.smooth_n) == (0.0, 0.0, 0.0, 50.0)
+    memory, observed = step(ForceMemory(7, 500.0, 400.0, 90.0, 9, 99, 9.0), 50.0, REST._replace(follows=False))
+    assert memory == ForceMemory(37, 50.0, 50.0, 50.0, 0, 0, 0.0)
+    assert (observed.jump_n, observed.rate_n_per_s, observed.unexplained_n, observed.smooth_n) == (0.0, 0.0, 0.0, 50.0)
 
 
 def test_known_noise_is_never_quiet_for_long_nor_fast_nor_a_jump_nor_unexplained():
     noise_n = 30.0 + force_noise_n(5, 0, 20_000, 5.0, NOISE_N)
-    watch, longest, rate, unexplained = None, 0, 0.0, 0.0
+    memory, longest, rate, unexplained = None, 0, 0.0, 0.0
     for raw_n in noise_n:
         counted_n = math.floor(raw_n / N_PER_FORCE_COUNT) * N_PER_FORCE_COUNT
-        watch, seen = step(watch or NOTHING, counted_n, REST._replace(follows=watch is not None))
-        longest, rate = max(longest, seen.quiet_samples), max(rate, abs(seen.rate_n_per_s))
-        unexplained = max(unexplained, seen.unexplained_n)
-        assert abs(seen.jump_n) <= seen.jump_limit_n
+        memory, observed = step(memory or NOTHING, counted_n, REST._replace(follows=memory is not None))
+        longest, rate = max(longest, observed.quiet_samples), max(rate, abs(observed.rate_n_per_s))
+        unexplained = max(unexplained, observed.unexplained_n)
+        assert abs(observed.jump_n) <= observed.jump_limit_n
     assert longest < 16
     assert rate <= 2.0 * NOISE_N / (SMOOTHING_S + DT_S) + N_PER_FORCE_COUNT / SMOOTHING_S
     assert unexplained <= 2.0 * NOISE_N + N_PER_FORCE_COUNT
@@ -54,63 +54,63 @@ def test_a_reading_that_stays_is_counted_and_one_that_changes_by_two_counts_is_n
     assert played([one, two, one])[1].quiet_samples == 2
     assert played([one, two, one], quiet_counts=0)[1].quiet_samples == 0
     assert played([one, one + 2.0 * N_PER_FORCE_COUNT])[1].quiet_samples == 0
-    watch = played([one] * 5)[0]
-    assert step(watch, one, REST._replace(dt_ns=1))[1].quiet_samples == 5
-    assert step(watch, one, REST._replace(dt_ns=0))[1].quiet_samples == 0  # an absence is no reading
+    memory = played([one] * 5)[0]
+    assert step(memory, one, REST._replace(dt_ns=1))[1].quiet_samples == 5
+    assert step(memory, one, REST._replace(dt_ns=0))[1].quiet_samples == 0  # an absence is no reading
 
 
 @pytest.mark.parametrize("rate", [-2000.0, 3000.0])
 def test_the_rate_of_a_ramp_is_found_within_a_few_smoothing_times(rate):
-    seen = played([400.0 + rate * DT_S * i for i in range(40)])[1]
-    assert seen.rate_n_per_s == pytest.approx(rate, rel=1e-3)
-    assert seen.smooth_n == pytest.approx(400.0 + rate * DT_S * 39 - rate * SMOOTHING_S, rel=1e-3)
+    observed = played([400.0 + rate * DT_S * i for i in range(40)])[1]
+    assert observed.rate_n_per_s == pytest.approx(rate, rel=1e-3)
+    assert observed.smooth_n == pytest.approx(400.0 + rate * DT_S * 39 - rate * SMOOTHING_S, rel=1e-3)
 
 
 def test_time_above_the_level_is_counted_while_it_lasts():
-    watch, seen = played([320.0] * 11)
-    assert seen.held_ns == 10 * DT_NS + DT_NS
+    memory, observed = played([320.0] * 11)
+    assert observed.held_ns == 10 * DT_NS + DT_NS
     assert played([300.0] * 11)[1].held_ns == 0
-    assert step(watch, -500.0)[1].held_ns == 0
+    assert step(memory, -500.0)[1].held_ns == 0
     assert played([320.0] * 11, REST._replace(bias_n=20.0))[1].held_ns == 0
 
 
 def test_work_done_on_a_spring_is_its_energy_and_comes_back():
     k, steps = 6232.0, 200
     way_m = 0.04 / steps
-    watch, seen = None, None
+    memory, observed = None, None
     for i in range(steps + 1):
-        push = REST._replace(follows=watch is not None, way_m=way_m if watch else 0.0)
-        watch, seen = step(watch or NOTHING, k * way_m * i, push)
-    assert seen.energy_j == pytest.approx(0.5 * k * 0.04 * 0.04, rel=0.05)  # the smooth force lags a little
+        motion = REST._replace(follows=memory is not None, way_m=way_m if memory else 0.0)
+        memory, observed = step(memory or NOTHING, k * way_m * i, motion)
+    assert observed.energy_j == pytest.approx(0.5 * k * 0.04 * 0.04, rel=0.05)  # the smooth force lags a little
     for i in range(steps, -1, -1):
-        watch, seen = step(watch, k * way_m * i, REST._replace(way_m=-way_m))
-    assert seen.energy_j == 0.0
+        memory, observed = step(memory, k * way_m * i, REST._replace(way_m=-way_m))
+    assert observed.energy_j == 0.0
 
 
 def test_what_touches_nothing_takes_no_energy_and_a_nan_is_not_remembered():
     assert played([NOISE_N] * 5, REST._replace(way_m=1.0))[1].energy_j == 0.0
-    watch, seen = played([100.0] * 5, REST._replace(way_m=0.01))
-    assert seen.energy_j == pytest.approx(4 * 1.0 + 1.0 * 1.0, rel=0.3)
-    watch, seen = step(watch, 100.0, REST._replace(way_m=math.nan))
-    assert math.isnan(seen.energy_j)
-    watch, seen = step(watch, 100.0, REST._replace(way_m=math.nan))
-    assert seen.energy_j == 0.0
+    memory, observed = played([100.0] * 5, REST._replace(way_m=0.01))
+    assert observed.energy_j == pytest.approx(4 * 1.0 + 1.0 * 1.0, rel=0.3)
+    memory, observed = step(memory, 100.0, REST._replace(way_m=math.nan))
+    assert math.isnan(observed.energy_j)
+    memory, observed = step(memory, 100.0, REST._replace(way_m=math.nan))
+    assert observed.energy_j == 0.0
 
 
 def test_the_jump_that_is_borne_is_noise_and_the_gauges_own_spring_and_damper_at_this_speed():
     at_rest_n = 2.0 * NOISE_N + (GAUGE_N_PER_M * DT_S + GAUGE_NS_PER_M) * COUNT_M / (SMOOTHING_S + DT_S)
-    _, seen = played([50.0, 50.0 + at_rest_n])
-    assert (seen.jump_n, seen.jump_limit_n) == (pytest.approx(at_rest_n), pytest.approx(at_rest_n))
+    _, observed = played([50.0, 50.0 + at_rest_n])
+    assert (observed.jump_n, observed.jump_limit_n) == (pytest.approx(at_rest_n), pytest.approx(at_rest_n))
     for speed in (0.1, -0.1):
         moving = played([50.0], REST._replace(speed_m_per_s=speed))[1]
         assert moving.jump_limit_n - at_rest_n == pytest.approx(0.1 * (GAUGE_N_PER_M * DT_S + GAUGE_NS_PER_M))
 
 
 def test_a_rise_without_a_way_is_unexplained_and_one_with_it_is_not():
-    _, seen = played([50.0 + 2.0 * i for i in range(60)])
-    assert seen.unexplained_n == pytest.approx(118.0)
-    assert seen.unexplained_limit_n == pytest.approx(2.0 * NOISE_N + GAUGE_N_PER_M * COUNT_M + GAUGE_NS_PER_M * LOOSE_M_PER_S)
-    assert seen.unexplained_n > seen.unexplained_limit_n
+    _, observed = played([50.0 + 2.0 * i for i in range(60)])
+    assert observed.unexplained_n == pytest.approx(118.0)
+    assert observed.unexplained_limit_n == pytest.approx(2.0 * NOISE_N + GAUGE_N_PER_M * COUNT_M + GAUGE_NS_PER_M * LOOSE_M_PER_S)
+    assert observed.unexplained_n > observed.unexplained_limit_n
     stiff = REST._replace(way_m=2.0 / GAUGE_N_PER_M)
     assert played([50.0 + 2.0 * i for i in range(60)], stiff)[1].unexplained_n == pytest.approx(0.0, abs=1e-9)
     away = REST._replace(way_m=-0.01)
@@ -118,10 +118,10 @@ def test_a_rise_without_a_way_is_unexplained_and_one_with_it_is_not():
 
 
 def test_what_a_crate_takes_off_the_reading_while_the_tool_moves_is_given_back():
-    watch = played([100.0], REST._replace(speed_m_per_s=-0.1))[0]
-    watch = step(watch, 100.0, REST._replace(speed_m_per_s=-0.1))[0]
-    assert watch.explained_n == pytest.approx(100.0)  # a reading before binds; the allowance of now does not raise it
-    faster = step(ForceWatch(0, 300.0, 300.0, 300.0, 0, 0, 0.0), 100.0, REST._replace(speed_m_per_s=0.1))[0]
+    memory = played([100.0], REST._replace(speed_m_per_s=-0.1))[0]
+    memory = step(memory, 100.0, REST._replace(speed_m_per_s=-0.1))[0]
+    assert memory.explained_n == pytest.approx(100.0)  # a reading before binds; the allowance of now does not raise it
+    faster = step(ForceMemory(0, 300.0, 300.0, 300.0, 0, 0, 0.0), 100.0, REST._replace(speed_m_per_s=0.1))[0]
     assert faster.explained_n == pytest.approx(100.0 + 0.1 * GAUGE_NS_PER_M)
 
 
@@ -130,28 +130,34 @@ def test_a_wall_of_any_stiffness_met_at_any_speed_is_explained():
         for stiffness in (7208.0, 53150.0, 1e6):
             k = 1.0 / (1.0 / stiffness + 1.0 / GAUGE_N_PER_M)
             way = np.floor(np.arange(40) * speed * DT_S / COUNT_M) * COUNT_M
-            watch = None
+            memory = None
             for i in range(40):
-                push = Push(watch is not None, way[i] - way[i - 1] if watch else 0.0, speed, DT_NS, 0.0, 4.0)
-                watch, seen = step(watch or NOTHING, k * speed * DT_S * max(0, i - 10), push)
-                assert seen.unexplained_n <= seen.unexplained_limit_n
-                assert abs(seen.jump_n) <= seen.jump_limit_n
+                motion = GaugeMotion(memory is not None, way[i] - way[i - 1] if memory else 0.0, speed, DT_NS, 0.0, 4.0)
+                memory, observed = step(memory or NOTHING, k * speed * DT_S * max(0, i - 10), motion)
+                assert observed.unexplained_n <= observed.unexplained_limit_n
+                assert abs(observed.jump_n) <= observed.jump_limit_n
 
 
-def test_force_is_told_raw_and_without_its_bias():
-    seen = step(NOTHING, 50.0, REST._replace(follows=False, bias_n=20.0))[1]
-    assert (seen.raw_n, seen.tared_n, seen.smooth_n, seen.bias_n, seen.bias_spread_n) == (50.0, 30.0, 30.0, 20.0, 4.0)
+def test_force_is_observed_raw_and_without_its_bias():
+    observed = step(NOTHING, 50.0, REST._replace(follows=False, bias_n=20.0))[1]
+    assert (observed.raw_n, observed.tared_n, observed.smooth_n, observed.bias_n, observed.bias_spread_n) == (
+        50.0,
+        30.0,
+        30.0,
+        20.0,
+        4.0,
+    )
 
 
 def test_work_taken_back_beyond_what_was_given_counts_for_nothing():
-    watch, seen = played([100.0] * 3, REST._replace(way_m=-1.0))
-    assert (watch.energy_j, seen.energy_j) == (0.0, 0.0)
-    assert step(watch, 100.0, REST._replace(way_m=0.002))[1].energy_j == pytest.approx(0.2)
+    memory, observed = played([100.0] * 3, REST._replace(way_m=-1.0))
+    assert (memory.energy_j, observed.energy_j) == (0.0, 0.0)
+    assert step(memory, 100.0, REST._replace(way_m=0.002))[1].energy_j == pytest.approx(0.2)
 
 
 def test_every_window_begins_at_the_first_force():
-    assert force_begin(9, 12.5) == ForceWatch(9, 12.5, 12.5, 12.5, 0, 0, 0.0)
-    watch, seen = step(ForceWatch(9, 9.0, 9.0, 9.0, 9, 9, 9.0), 400.0, REST._replace(follows=False, bias_n=0.0))
-    assert (seen.held_ns, seen.energy_j, watch.quiet_samples) == (DT_NS, 0.0, 0)
-    assert step(watch, 400.0, REST._replace(way_m=0.01))[1].energy_j == pytest.approx(4.0)
-    assert step(ForceWatch(0, 290.0, 290.0, 290.0, 0, 5, 0.0), 290.0)[1].held_ns == 0
+    assert force_begin(9, 12.5) == ForceMemory(9, 12.5, 12.5, 12.5, 0, 0, 0.0)
+    memory, observed = step(ForceMemory(9, 9.0, 9.0, 9.0, 9, 9, 9.0), 400.0, REST._replace(follows=False, bias_n=0.0))
+    assert (observed.held_ns, observed.energy_j, memory.quiet_samples) == (DT_NS, 0.0, 0)
+    assert step(memory, 400.0, REST._replace(way_m=0.01))[1].energy_j == pytest.approx(4.0)
+    assert step(ForceMemory(0, 290.0, 290.0, 290.0, 0, 5, 0.0), 290.0)[1].held_ns == 0

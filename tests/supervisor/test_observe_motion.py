@@ -10,10 +10,10 @@ from hydrohil.services.plant.hydraulics import LinkState
 from hydrohil.services.plant.machine import link_step as machine_link_step
 from hydrohil.services.plant.params import UNIMATE
 from hydrohil.services.supervisor.machine import BRAKES, FULL_SPEED, MOVES_DOWN_A, MOVES_UP_A, MOVES_WITHIN_NS
-from hydrohil.services.supervisor.observe import Heard, Links, observe_step, watch_start
+from hydrohil.services.supervisor.observe import LinkHealth, SampleContext, observe_step, observer_start
 from hydrohil.services.supervisor.observe_motion import (
-    LinkWatch,
-    MotionWatch,
+    LinkProgress,
+    MotionMemory,
     Pose,
     _driven,
     against,
@@ -27,19 +27,21 @@ from hydrohil.shared.compiled.kernel import compiled
 from hydrohil.shared.contract.messages import NO_TRIAL, TripCause
 from tests.support.supervisor_scene import DESCRIPTION, LEVEL, LIMITS, PARAMS, sample
 
-OBSERVING, CODES = PARAMS.observing, PARAMS.observing.codes
-RUNNING = Heard(True, 0, True, Links(0, 0, 0, 1))
+OBSERVER, CODES = PARAMS.observer, PARAMS.observer.codes
+RUNNING = SampleContext(True, 0, True, LinkHealth(0, 0, 0, 1))
 FIRST = 100
 T_NS = DESCRIPTION.sample_period_ns
 observe_compiled = compiled(observe_step)
 
 
 def play(encoders, codes=(2048, 2048, 2048), first=FIRST):
-    """What is seen at the last of these samples."""
-    watch, seen = watch_start(), None
+    """What is observed at the last of these samples."""
+    memory, observed = observer_start(), None
     for row, counts in enumerate(encoders):
-        watch, seen = observe_step(watch, OBSERVING, sample(first + row, row, encoder_counts=counts, dac_counts=codes), RUNNING)
-    return watch, seen
+        memory, observed = observe_step(
+            memory, OBSERVER, sample(first + row, row, encoder_counts=counts, dac_counts=codes), RUNNING
+        )
+    return memory, observed
 
 
 def at(link, count):
@@ -47,11 +49,11 @@ def at(link, count):
 
 
 def test_nothing_has_moved_at_the_first_sample_of_a_trial_wherever_it_begins():
-    watch = play([LEVEL] * 3)[0]
+    memory = play([LEVEL] * 3)[0]
     other = (100, 300, 600, 0, 33)
-    begun = observe_step(watch, OBSERVING, sample(103, NO_TRIAL, encoder_counts=other), RUNNING)[1]
+    begun = observe_step(memory, OBSERVER, sample(103, NO_TRIAL, encoder_counts=other), RUNNING)[1]
     assert begun.motion.moved_q == (0.0, 0.0, 0.0, 0.0)
-    again = observe_step(watch, OBSERVING, sample(103, 1, encoder_counts=other), RUNNING)[1]  # its tick went back
+    again = observe_step(memory, OBSERVER, sample(103, 1, encoder_counts=other), RUNNING)[1]  # its tick went back
     assert (again.motion.speed, again.motion.tip_speed_m_per_s) == ((0.0, 0.0, 0.0), 0.0)
 
 
@@ -72,26 +74,26 @@ def test_full_speed_is_borne_and_a_count_more_in_one_sample_is_a_jump(link, sign
     broken = first_broken(play([LEVEL, at(link, LEVEL[link] + sign * (most + 1))])[1], LIMITS)
     assert broken[0] == TripCause.ENCODER_JUMP
     lost = observe_step(
-        play([LEVEL])[0], OBSERVING, sample(FIRST + 2, 2, encoder_counts=at(link, LEVEL[link] + sign * (most + 1))), RUNNING
+        play([LEVEL])[0], OBSERVER, sample(FIRST + 2, 2, encoder_counts=at(link, LEVEL[link] + sign * (most + 1))), RUNNING
     )
     assert first_broken(lost[1], LIMITS)[0] == 0  # in two periods
 
 
 def test_a_stamp_that_lies_widens_nothing():
-    watch = play([LEVEL])[0]
+    memory = play([LEVEL])[0]
     late = sample(FIRST + 1, 1, time_ns=10**15)
-    assert observe_step(watch, OBSERVING, late, RUNNING)[1].motion.dt_s == pytest.approx(0.0045)
+    assert observe_step(memory, OBSERVER, late, RUNNING)[1].motion.dt_s == pytest.approx(0.0045)
     early = sample(FIRST + 1, 1, time_ns=0)
-    assert observe_step(watch, OBSERVING, early, RUNNING)[1].motion.dt_s == pytest.approx(0.0045)
+    assert observe_step(memory, OBSERVER, early, RUNNING)[1].motion.dt_s == pytest.approx(0.0045)
 
 
 def test_a_nan_is_not_remembered():
     assert smooth_speed(math.nan, 0.0, 0.0045) == 0.0
     assert math.isnan(smooth_speed(0.0, math.nan, 0.0045))
     wild = (*LEVEL[:4], 10**12)  # a pitch that is no angle: the tip is nowhere
-    seen = play([LEVEL, wild])[1]
-    assert math.isnan(seen.motion.tip_speed_m_per_s)
-    assert first_broken(seen, LIMITS)[0] != 0
+    observed = play([LEVEL, wild])[1]
+    assert math.isnan(observed.motion.tip_speed_m_per_s)
+    assert first_broken(observed, LIMITS)[0] != 0
     assert play([LEVEL, wild, LEVEL, LEVEL])[1].motion.tip_speed_m_per_s == 0.0
 
 
@@ -118,15 +120,15 @@ def test_at_the_end_of_its_travel_a_link_may_stand_under_current():
 
 
 def test_progress_is_measured_from_the_furthest_point():
-    watch = link_step(LinkWatch(0, 9.0, 99), 1, 0.5, T_NS)
-    assert watch == LinkWatch(1, 0.5, 0)
-    back = link_step(watch, 1, 0.4, T_NS)
-    assert (back, against(back, 0.4)) == (LinkWatch(1, 0.5, T_NS), pytest.approx(0.1))
-    assert link_step(back, 1, 0.5, T_NS) == LinkWatch(1, 0.5, 2 * T_NS)
-    assert link_step(back, 1, 0.6, T_NS) == LinkWatch(1, 0.6, 0)
-    assert link_step(back, -1, 0.4, T_NS) == LinkWatch(-1, 0.4, 0)
-    assert against(LinkWatch(-1, 0.4, 0), 0.5) == pytest.approx(0.1)
-    assert against(LinkWatch(0, 0.4, 0), 0.5) == 0.0
+    memory = link_step(LinkProgress(0, 9.0, 99), 1, 0.5, T_NS)
+    assert memory == LinkProgress(1, 0.5, 0)
+    back = link_step(memory, 1, 0.4, T_NS)
+    assert (back, against(back, 0.4)) == (LinkProgress(1, 0.5, T_NS), pytest.approx(0.1))
+    assert link_step(back, 1, 0.5, T_NS) == LinkProgress(1, 0.5, 2 * T_NS)
+    assert link_step(back, 1, 0.6, T_NS) == LinkProgress(1, 0.6, 0)
+    assert link_step(back, -1, 0.4, T_NS) == LinkProgress(-1, 0.4, 0)
+    assert against(LinkProgress(-1, 0.4, 0), 0.5) == pytest.approx(0.1)
+    assert against(LinkProgress(0, 0.4, 0), 0.5) == 0.0
 
 
 LOADS = ((0.0, -611.0, 611.0), (421.0, 56.0 - 611.0), (-554.0, 554.0))  # 334 N at 1.83 m; weight; both along the boom
@@ -140,7 +142,7 @@ def test_the_current_that_must_move_a_link_moves_it_by_a_count_whatever_stands_a
     machine = UNIMATE._replace(supply_pressure_pa=6.5e6)
     current_a = sign * (MOVES_UP_A if sign > 0.0 else MOVES_DOWN_A)[link]
     for load in LOADS[link]:
-        half_pa = (-sign * params.breakaway_tau - load) / params.displacement_m3_per_q / 2.0  # left the wrong way round
+        half_pa = (-sign * params.breakaway_nm - load) / params.displacement_m3_per_rad / 2.0  # left the wrong way round
         state = LinkState(0.2, 0.0, params.null_bias_a, 3.25e6 + half_pa, 3.25e6 - half_pa)
         for _ in range(int(0.2 / 50e-6)):
             state = machine_link_step(state, params, machine, current_a, load, INERTIAS[link], 50e-6)
@@ -177,39 +179,39 @@ SAMPLES = st.builds(
 @settings(max_examples=200, deadline=None)
 @given(st.lists(st.tuples(SAMPLES, st.sampled_from([0, 0, 0, 1])), max_size=8))
 def test_plain_and_compiled_windows_agree_on_anything(rows):
-    watch = machine = watch_start()
+    memory = machine = observer_start()
     number = 10
     for (gap, tick, counts, force, codes, late), stale_ns in rows:
         number += gap
-        seen = sample(number, tick, encoder_counts=counts, force_counts=force, dac_counts=codes, time_ns=number * T_NS + late)
-        heard = RUNNING._replace(stale_ns=stale_ns)
-        watch, plain = observe_step(watch, OBSERVING, seen, heard)
-        machine, fast = observe_compiled(machine, OBSERVING, seen, heard)
-        assert (repr(watch), repr(plain)) == (repr(machine), repr(fast))
+        observed = sample(number, tick, encoder_counts=counts, force_counts=force, dac_counts=codes, time_ns=number * T_NS + late)
+        context = RUNNING._replace(stale_ns=stale_ns)
+        memory, plain = observe_step(memory, OBSERVER, observed, context)
+        machine, fast = observe_compiled(machine, OBSERVER, observed, context)
+        assert (repr(memory), repr(plain)) == (repr(machine), repr(fast))
 
 
 STILL = (0.0, 0.0, 0.0)
 
 
 def test_every_window_begins_at_the_first_pose():
-    nobody, used = LinkWatch(0, 0.0, 0), LinkWatch(1, 0.5, 99)
+    nobody, used = LinkProgress(0, 0.0, 0), LinkProgress(1, 0.5, 99)
     pose = Pose((1, 2, 3), (0.1, 0.2, 0.3), 0.4, (0.5, 0.6, 0.7))
-    first = MotionWatch(pose.q, 0.4, pose.tip_m, STILL, STILL, nobody, nobody, nobody)
+    first = MotionMemory(pose.q, 0.4, pose.tip_m, STILL, STILL, nobody, nobody, nobody)
     assert motion_begin(pose) == first
-    before = MotionWatch((9.0,) * 3, 9.0, (9.0,) * 3, (9.0,) * 3, (9.0,) * 3, used, used, used)
+    before = MotionMemory((9.0,) * 3, 9.0, (9.0,) * 3, (9.0,) * 3, (9.0,) * 3, used, used, used)
     begun = motion_step(before, CODES, pose, CODES.high, False, T_NS)[0]
     assert (begun.speed, begun.tip_m_per_s, begun.rotate.idle_ns) == (STILL, STILL, 0)
 
 
 def test_every_axis_is_told_its_way():
-    watch = motion_begin(Pose((0, 0, 0), (0.1, 0.2, 0.3), 0.4, (0.5, 0.6, 0.7)))
+    memory = motion_begin(Pose((0, 0, 0), (0.1, 0.2, 0.3), 0.4, (0.5, 0.6, 0.7)))
     pose = Pose((1, 2, 3), (0.11, 0.22, 0.33), 0.44, (0.52, 0.66, 0.73))
-    after, seen = motion_step(watch, CODES, pose, (2048, 2048, 2048), True, T_NS)
-    assert seen.moved_q == pytest.approx((0.01, 0.02, 0.03, 0.04))
-    assert seen.counts == (1, 2, 3)
+    after, observed = motion_step(memory, CODES, pose, (2048, 2048, 2048), True, T_NS)
+    assert observed.moved_q == pytest.approx((0.01, 0.02, 0.03, 0.04))
+    assert observed.counts == (1, 2, 3)
     smoothed = [way / 0.0245 for way in (0.01, 0.02, 0.03)]
-    assert seen.speed == after.speed == pytest.approx(smoothed)
-    assert seen.tip_speed_m_per_s == pytest.approx(math.sqrt(0.02**2 + 0.06**2 + 0.03**2) / 0.0245)
+    assert observed.speed == after.speed == pytest.approx(smoothed)
+    assert observed.tip_speed_m_per_s == pytest.approx(math.sqrt(0.02**2 + 0.06**2 + 0.03**2) / 0.0245)
     assert after.tip_m_per_s == pytest.approx((0.02 / 0.0245, 0.06 / 0.0245, 0.03 / 0.0245))
 
 
@@ -217,12 +219,12 @@ def test_every_axis_is_told_its_way():
 def test_the_way_against_its_current_is_told_of_each_link(link):
     step_by = [1, -1, 1][link]  # down/up counts downwards
     driven = tuple(CODES.high[i] if i == link else 2048 for i in range(3))
-    watch, seen = play([LEVEL, at(link, LEVEL[link] - 2 * step_by)], driven)
+    memory, observed = play([LEVEL, at(link, LEVEL[link] - 2 * step_by)], driven)
     others = [i for i in range(3) if i != link]
-    assert seen.motion.against[link] == pytest.approx(2.0 * LIMITS.count_q[link])
-    assert [seen.motion.against[i] for i in others] == [0.0, 0.0]
-    assert seen.motion.idle_ns == tuple(T_NS if i == link else 0 for i in range(3))
-    assert (watch.motion.rotate, watch.motion.down_up, watch.motion.out_in)[link].sign == 1
+    assert observed.motion.against[link] == pytest.approx(2.0 * LIMITS.count_q[link])
+    assert [observed.motion.against[i] for i in others] == [0.0, 0.0]
+    assert observed.motion.idle_ns == tuple(T_NS if i == link else 0 for i in range(3))
+    assert (memory.motion.rotate, memory.motion.down_up, memory.motion.out_in)[link].sign == 1
 
 
 def test_a_current_into_a_stop_must_move_nothing_and_one_a_hair_off_it_must():

@@ -85,7 +85,7 @@ AT_LIMIT = [
     *(one_of("tip_m", i, LOW_M[i]) for i in range(3)),
     *(one_of("tip_m", i, HIGH_M[i]) for i in range(3)),
 ]
-PAST = [  # what is seen, the cause, the number that broke, the limit it broke
+PAST = [  # what is observed, the cause, the number that broke, the limit it broke
     ({"force_counts": -1}, TripCause.FORCE_INVALID, -1.0, 0.0),
     ({"force_counts": 518}, TripCause.FORCE_INVALID, 518.0, 518.0),
     ({"raw_n": above(RAW)}, TripCause.FORCE_RAW, above(RAW), RAW),
@@ -217,10 +217,10 @@ def test_an_encoder_at_its_end_is_told_with_its_own_end():
 
 def test_of_several_links_the_one_beyond_is_told():
     for field, cause, limit in (("against", TripCause.MOTION_AGAINST, BRAKES), ("speed", TripCause.JOINT_SPEED, SPEED)):
-        seen = changed(FINE, **{field: (limit[0], above(limit[1]), 9.0)})
-        assert first_broken(seen, LIMITS) == (cause, above(limit[1]), limit[1])
-    seen = changed(FINE, idle_ns=(0, 200_000_001, 300_000_000))
-    assert first_broken(seen, LIMITS)[:2] == (TripCause.NO_MOTION, pytest.approx(0.3))
+        observed = changed(FINE, **{field: (limit[0], above(limit[1]), 9.0)})
+        assert first_broken(observed, LIMITS) == (cause, above(limit[1]), limit[1])
+    observed = changed(FINE, idle_ns=(0, 200_000_001, 300_000_000))
+    assert first_broken(observed, LIMITS)[:2] == (TripCause.NO_MOTION, pytest.approx(0.3))
 
 
 def test_the_rows_stand_in_the_order_of_severity_and_every_cause_has_words():
@@ -230,11 +230,11 @@ def test_the_rows_stand_in_the_order_of_severity_and_every_cause_has_words():
 
 
 def test_of_several_broken_rows_the_first_decides():
-    seen = FINE
+    observed = FINE
     for changes, cause, measured, limit in sorted(PAST, key=lambda row: row[1], reverse=True):
-        before = first_broken(seen, LIMITS)[0]
-        seen = changed(seen, **changes)
-        found = first_broken(seen, LIMITS)
+        before = first_broken(observed, LIMITS)[0]
+        observed = changed(observed, **changes)
+        found = first_broken(observed, LIMITS)
         assert found[0] == min(cause, before or cause)
         if before != cause:
             assert same(found[1], measured)
@@ -278,8 +278,8 @@ OBSERVED = st.builds(
 
 @settings(max_examples=300, deadline=None)
 @given(OBSERVED)
-def test_plain_and_compiled_rules_agree_on_anything(seen):
-    plain, machine = first_broken(seen, LIMITS), first_broken_compiled(seen, LIMITS)
+def test_plain_and_compiled_rules_agree_on_anything(observed):
+    plain, machine = first_broken(observed, LIMITS), first_broken_compiled(observed, LIMITS)
     assert all(same(a, b) for a, b in zip(plain, machine, strict=True))
     assert isinstance(LIMITS, Limits)
 
@@ -295,8 +295,8 @@ def test_every_row_tells_its_number_and_limit_even_while_it_holds():
 
 def test_of_several_values_the_first_outside_its_bounds_is_told():
     for edge in (LOW_Q[0], HIGH_Q[0]):
-        seen = changed(FINE, q=(edge, above(HIGH_Q[1]), 9.0))
-        assert first_broken(seen, LIMITS) == (TripCause.JOINT_LIMIT, above(HIGH_Q[1]), HIGH_Q[1])
+        observed = changed(FINE, q=(edge, above(HIGH_Q[1]), 9.0))
+        assert first_broken(observed, LIMITS) == (TripCause.JOINT_LIMIT, above(HIGH_Q[1]), HIGH_Q[1])
 
 
 def test_a_bias_on_its_limit_leaves_the_word_to_its_spread():

@@ -5,7 +5,7 @@ import json
 import pytest
 
 from hydrohil.services.supervisor import service
-from hydrohil.services.supervisor.observe import watch_start
+from hydrohil.services.supervisor.observe import observer_start
 from hydrohil.services.supervisor.service import Loaded, Supervisor
 from hydrohil.shared.contract.codec import Received
 from hydrohil.shared.contract.deadline_window import DeadlineWindow
@@ -278,11 +278,11 @@ def test_in_lockstep_a_second_is_a_second_of_samples():
 def test_answers_that_are_not_in_time_are_told_in_the_status():
     scene = Scene()
     scene.supervisor.memory = scene.supervisor.memory._replace(
-        watch=watch_start()._replace(answers=DeadlineWindow(0b11110, 0, 4, 3))
+        observer=observer_start()._replace(answers=DeadlineWindow(0b11110, 0, 4, 3))
     )
     assert (scene.supervisor.status()["in_time"], scene.supervisor.status()["warnings"]) == (0.96, [])
     scene.supervisor.memory = scene.supervisor.memory._replace(
-        watch=watch_start()._replace(answers=DeadlineWindow(0b1111, 0, 4, 4))
+        observer=observer_start()._replace(answers=DeadlineWindow(0b1111, 0, 4, 4))
     )
     assert scene.supervisor.status()["warnings"] == ["4 answers in a row were late or missing; the lease bears 4"]
 
@@ -308,8 +308,8 @@ def test_a_supervisor_that_falls_behind_by_a_lease_does_not_take_the_controller_
     def send(number):
         state = header("controller/state", number, echo_number=number, **ours)
         scene.bus.send("controller/state", state, state_body(number))
-        seen = sample(number, number - first - 8, command_number=number - 1)
-        scene.bus.send("plant/sample", header("plant/sample", number, **ours), seen)
+        observed = sample(number, number - first - 8, command_number=number - 1)
+        scene.bus.send("plant/sample", header("plant/sample", number, **ours), observed)
 
     for number in range(first, first + 12):
         send(number)

@@ -7,10 +7,11 @@ from hypothesis import strategies as st
 
 from hydrohil.services.plant.config import GateLimits
 from hydrohil.services.supervisor.modes import Event
-from hydrohil.services.supervisor.observe import Bias, Heard, Links, observe_step, watch_start
+from hydrohil.services.supervisor.observe import Bias, LinkHealth, SampleContext, observe_step, observer_start
 from hydrohil.services.supervisor.params import below_gate, supervisor_params
 from hydrohil.services.supervisor.rules import first_broken
-from hydrohil.services.supervisor.step import SupervisorMemory, supervisor_step
+from hydrohil.services.supervisor.state import SupervisorMemory
+from hydrohil.services.supervisor.step import supervisor_step
 from hydrohil.shared.compiled.kernel import compiled
 from hydrohil.shared.contract.messages import NO_COMMAND, NO_TRIAL, GateCause, GateState, Mode, TripCause
 from hydrohil.shared.contract.pose import UNIMATE_GEOMETRY, forward, joint_positions
@@ -30,7 +31,7 @@ from tests.support.supervisor_scene import (
 )
 
 HEAVY = 300  # counts: 405 N, above 334 + 60 N
-AT_REST = Heard(False, 0, True, Links(0, 0, 0, 1))
+AT_REST = SampleContext(False, 0, True, LinkHealth(0, 0, 0, 1))
 DISARMED = SupervisorMemory()
 TOWARDS_LOW = (-1, 1, -1)  # counts; down/up counts downwards
 STOPS = [(Event.ESTOP, GateCause.NONE), (Event.NOTHING, GateCause.ESTOP)]
@@ -50,7 +51,7 @@ def started(at=20):
 
 
 def test_a_supervisor_begins_disarmed_with_nothing_latched_and_nothing_seen():
-    nothing = (0, 0, 0.0, 0.0, NO_COMMAND, NO_COMMAND, 0, 0, (0, 0, 0), watch_start(), False)
+    nothing = (0, 0, 0.0, 0.0, NO_COMMAND, NO_COMMAND, 0, 0, (0, 0, 0), observer_start(), False)
     assert SupervisorMemory() == (Mode.DISARMED, *nothing)
 
 
@@ -143,7 +144,7 @@ def test_an_emergency_stop_at_either_place_names_itself_even_when_a_rule_breaks_
 
 
 def test_samples_that_stop_trip_a_running_trial():
-    memory = step(running(watch=watched(50)), sample(50, 5), asked(stale_ns=20_000_001))
+    memory = step(running(observer=watched(50)), sample(50, 5), asked(stale_ns=20_000_001))
     assert (memory.mode, memory.cause) == (Mode.TRIPPED, TripCause.SAMPLE_STALE)
     assert (memory.measured, memory.limit) == pytest.approx((0.020000001, 0.02))
 
@@ -151,7 +152,7 @@ def test_samples_that_stop_trip_a_running_trial():
 @pytest.mark.parametrize(("number", "mode"), [(50, Mode.RUNNING), (54, Mode.RUNNING), (55, Mode.TRIPPED)])
 def test_a_lease_of_lost_samples_is_borne_and_one_more_trips(number, mode):
     memory = step(running(), sample(number, number - 45))
-    assert (memory.mode, memory.watch.last_number) == (mode, number)
+    assert (memory.mode, memory.observer.last_number) == (mode, number)
     assert memory.cause == (TripCause.NONE if mode == Mode.RUNNING else TripCause.SAMPLE_LOST)
 
 
@@ -184,7 +185,7 @@ def test_a_controller_that_is_not_ready_trips_even_if_the_sample_before_tick_0_i
 def test_a_bias_above_its_limit_trips_even_if_the_sample_before_tick_0_is_lost(tick):
     counts = math.ceil(61.0 / N_PER_COUNT)
     bias_n = counts * N_PER_COUNT
-    biased = running(tick=tick, watch=watched(49, bias=Bias(bias_n, 0.0, bias_n * BIAS, bias_n * bias_n * BIAS, BIAS)))
+    biased = running(tick=tick, observer=watched(49, bias=Bias(bias_n, 0.0, bias_n * BIAS, bias_n * bias_n * BIAS, BIAS)))
     memory = step(biased, sample(50, tick, force_counts=counts))
     assert (memory.mode, memory.cause, memory.limit) == (Mode.TRIPPED, TripCause.BIAS, 60.0)
 
@@ -223,15 +224,15 @@ def test_a_recovery_that_is_let_go_keeps_what_tripped_first_whatever_stands_now(
     for number in range(51, 65):
         memory = step(memory, sample(number))
     memory = step(memory, sample(65), asked(Event.HOLD_RECOVER))
-    for seen in (sample(66), sample(66, gate=int(GateState.REVOKED), force_counts=HEAVY)):
-        let_go = step(memory, seen, asked(Event.RELEASE))
+    for current in (sample(66), sample(66, gate=int(GateState.REVOKED), force_counts=HEAVY)):
+        let_go = step(memory, current, asked(Event.RELEASE))
         assert (let_go.mode, let_go.cause, let_go.trip_number) == (Mode.TRIPPED, TripCause.FORCE_RAW, 50)
         assert (let_go.measured, let_go.limit) == (HEAVY * N_PER_COUNT, CONFIG.raw_force_limit_n)
 
 
 def test_recovery_from_a_joint_limit_trips_anew_on_a_force():
     outside = (4031, 10, 207, 0, 33)  # link 2 at +27.3 deg
-    memory = step(running(watch=watched(49, encoder_counts=outside)), sample(50, 5, encoder_counts=outside))
+    memory = step(running(observer=watched(49, encoder_counts=outside)), sample(50, 5, encoder_counts=outside))
     assert (memory.cause, memory.recover_signs) == (TripCause.JOINT_LIMIT, (0, -1, 0))
     memory = step(memory, sample(51, encoder_counts=outside), asked(Event.HOLD_RECOVER))
     assert memory.mode == Mode.RECOVER
@@ -242,7 +243,7 @@ def test_recovery_from_a_joint_limit_trips_anew_on_a_force():
 def beyond(link):
     """Counts of the arm with this link just beyond its limit, and a count further in."""
     outside, inside = list(LEVEL), list(LEVEL)
-    while CONFIG.joint_low_q[link] <= joint_positions(PARAMS.observing.calibration, tuple(outside))[0][link]:
+    while CONFIG.joint_low_q[link] <= joint_positions(PARAMS.observer.calibration, tuple(outside))[0][link]:
         inside[link], outside[link] = outside[link], outside[link] + TOWARDS_LOW[link]
     return tuple(outside), tuple(inside)
 
@@ -250,7 +251,7 @@ def beyond(link):
 @pytest.mark.parametrize("link", range(3))
 def test_recovery_goes_on_while_its_cause_stands_and_when_it_has_gone(link):
     outside, inside = beyond(link)
-    memory = step(running(watch=watched(49, encoder_counts=outside)), sample(50, 5, encoder_counts=outside))
+    memory = step(running(observer=watched(49, encoder_counts=outside)), sample(50, 5, encoder_counts=outside))
     signs = tuple(int(i == link) for i in range(3))
     for number, counts in ((51, outside), (52, outside), (53, inside), (54, inside)):
         memory = step(memory, sample(number, encoder_counts=counts), asked(Event.HOLD_RECOVER))
@@ -261,7 +262,7 @@ def test_a_latched_direction_is_recovered_in_after_its_cause_has_gone():
     memory = tripped()
     for number in range(51, 65):
         memory = step(memory, sample(number))
-    assert first_broken(observe_step(memory.watch, PARAMS.observing, sample(65), AT_REST)[1], PARAMS.limits)[0] == 0
+    assert first_broken(observe_step(memory.observer, PARAMS.observer, sample(65), AT_REST)[1], PARAMS.limits)[0] == 0
     memory = step(memory, sample(65), asked(Event.HOLD_RECOVER))
     assert (memory.mode, memory.cause, memory.recover_signs) == (Mode.RECOVER, TripCause.FORCE_RAW, (0, -1, 0))
 
@@ -269,7 +270,7 @@ def test_a_latched_direction_is_recovered_in_after_its_cause_has_gone():
 def test_what_stands_now_is_recovered_from_where_the_latched_cause_led_nowhere():
     outside, inside = beyond(0)
     cut = sample(50, 5, encoder_counts=inside, gate=int(GateState.REVOKED))
-    memory = step(running(watch=watched(49, encoder_counts=inside)), cut)
+    memory = step(running(observer=watched(49, encoder_counts=inside)), cut)
     assert (memory.cause, memory.recover_signs) == (TripCause.GATE_CUT, (0, 0, 0))
     memory = step(memory, sample(51, encoder_counts=outside), asked(Event.HOLD_RECOVER))
     assert (memory.mode, memory.cause, memory.recover_signs) == (Mode.RECOVER, TripCause.JOINT_LIMIT, (1, 0, 0))
@@ -278,7 +279,7 @@ def test_what_stands_now_is_recovered_from_where_the_latched_cause_led_nowhere()
 def test_recovery_of_two_joints_goes_on_when_the_first_of_them_is_back():
     (low, inside), other = beyond(0), beyond(1)[0][1]
     both, one = (low[0], other, *LEVEL[2:]), (inside[0], other, *LEVEL[2:])
-    memory = step(running(watch=watched(49, encoder_counts=both)), sample(50, 5, encoder_counts=both))
+    memory = step(running(observer=watched(49, encoder_counts=both)), sample(50, 5, encoder_counts=both))
     for number, counts in ((51, both), (52, one)):
         memory = step(memory, sample(number, encoder_counts=counts), asked(Event.HOLD_RECOVER))
         assert (memory.mode, memory.recover_signs) == (Mode.RECOVER, (1, 1, 0))
@@ -286,9 +287,9 @@ def test_recovery_of_two_joints_goes_on_when_the_first_of_them_is_back():
 
 @pytest.mark.parametrize(("axis", "sign"), [(2, 1.0), (2, -1.0), (0, 1.0), (0, -1.0)])
 def test_the_unloading_sign_moves_the_tip_the_way_the_environment_pushes(axis, sign):
-    params = PARAMS._replace(observing=PARAMS.observing._replace(force_axis=axis, force_sign=sign))
+    params = PARAMS._replace(observer=PARAMS.observer._replace(force_axis=axis, force_sign=sign))
     memory = supervisor_step(running(), params, sample(50, 5, force_counts=HEAVY), asked())[0]
-    q, pitch_rad = joint_positions(params.observing.calibration, LEVEL)
+    q, pitch_rad = joint_positions(params.observer.calibration, LEVEL)
     moved = tuple(a + 0.01 * b for a, b in zip(q, memory.recover_signs, strict=True))
     assert sum(map(abs, memory.recover_signs)) == 1
     way_m = forward(UNIMATE_GEOMETRY, moved, pitch_rad)[axis] - forward(UNIMATE_GEOMETRY, q, pitch_rad)[axis]
@@ -297,7 +298,9 @@ def test_the_unloading_sign_moves_the_tip_the_way_the_environment_pushes(axis, s
 
 def test_a_joint_limit_that_outlasts_the_force_is_recovered_from_in_its_own_direction():
     outside = (100, 971, 207, 0, 33)  # link 1 at -110.8 deg
-    memory = step(running(watch=watched(49, encoder_counts=outside)), sample(50, 5, encoder_counts=outside, force_counts=HEAVY))
+    memory = step(
+        running(observer=watched(49, encoder_counts=outside)), sample(50, 5, encoder_counts=outside, force_counts=HEAVY)
+    )
     assert (memory.cause, memory.recover_signs) == (TripCause.FORCE_RAW, (0, -1, 0))
     memory = step(memory, sample(51, encoder_counts=outside, force_counts=HEAVY), asked(Event.HOLD_RECOVER))
     assert (memory.mode, memory.cause, memory.recover_signs) == (Mode.RECOVER, TripCause.FORCE_RAW, (0, -1, 0))
@@ -312,7 +315,9 @@ def test_a_joint_limit_that_outlasts_the_force_is_recovered_from_in_its_own_dire
 
 def test_what_stands_when_recovery_begins_leads_the_way():
     outside = (100, 971, 207, 0, 33)
-    memory = step(running(watch=watched(49, encoder_counts=outside)), sample(50, 5, encoder_counts=outside), asked(Event.ESTOP))
+    memory = step(
+        running(observer=watched(49, encoder_counts=outside)), sample(50, 5, encoder_counts=outside), asked(Event.ESTOP)
+    )
     assert (memory.cause, memory.recover_signs) == (TripCause.ESTOP, (0, -1, 0))
     memory = step(memory, sample(50, encoder_counts=outside), asked(Event.RESET))
     memory = step(memory, sample(51, encoder_counts=outside), asked(Event.HOLD_RECOVER))
@@ -359,17 +364,17 @@ def test_among_force_causes_recovery_goes_on():
     [((100, 971, 207, 0, 33), (1, 0, 0)), ((8000, 971, 207, 0, 33), (-1, 0, 0)), ((4031, 2035, 207, 0, 33), (0, 1, 0))],
 )
 def test_beyond_a_joint_limit_recovery_leads_inward(counts, signs):
-    memory = step(running(watch=watched(49, encoder_counts=counts)), sample(50, 5, encoder_counts=counts))
+    memory = step(running(observer=watched(49, encoder_counts=counts)), sample(50, 5, encoder_counts=counts))
     assert (memory.cause, memory.recover_signs) == (TripCause.JOINT_LIMIT, signs)
 
 
 def test_a_joint_on_its_limit_is_led_nowhere_while_another_is_led_back():
     counts = beyond(1)[0]
-    q = joint_positions(PARAMS.observing.calibration, counts)[0]
+    q = joint_positions(PARAMS.observer.calibration, counts)[0]
     low, high = CONFIG.joint_low_q[1], CONFIG.joint_high_q[1]
     for lows, highs in (((q[0], low, -9.0), (9.0, high, q[2])), ((-9.0, low, q[2]), (q[0], high, 9.0))):
         limits = PARAMS.limits._replace(config=CONFIG._replace(joint_low_q=lows, joint_high_q=highs))
-        stands = running(watch=watched(49, encoder_counts=counts))
+        stands = running(observer=watched(49, encoder_counts=counts))
         memory = step(stands, sample(50, 5, encoder_counts=counts), params=PARAMS._replace(limits=limits))
         assert (memory.cause, memory.recover_signs) == (TripCause.JOINT_LIMIT, (0, 1, 0))
 
@@ -378,19 +383,19 @@ def test_a_joint_on_its_limit_is_led_nowhere_while_another_is_led_back():
 @pytest.mark.parametrize("sign", [-1, 1])
 def test_each_joint_is_led_back_by_its_own_limits_and_no_other(link, sign):
     counts = (2000, 600, 700, 0, 33)
-    q = joint_positions(PARAMS.observing.calibration, counts)[0]
+    q = joint_positions(PARAMS.observer.calibration, counts)[0]
     assert min(abs(a - b) for a, b in itertools.combinations(q, 2)) > 0.2
-    middle = tuple(value + 0.02 * sign * (i == link) for i, value in enumerate(q))
-    lows, highs = (tuple(value + way for value in middle) for way in (-0.01, 0.01))
+    middle = tuple(q + 0.02 * sign * (i == link) for i, q in enumerate(q))
+    lows, highs = (tuple(q + way for q in middle) for way in (-0.01, 0.01))
     limits = PARAMS.limits._replace(config=CONFIG._replace(joint_low_q=lows, joint_high_q=highs))
-    stands = running(watch=watched(49, encoder_counts=counts))
+    stands = running(observer=watched(49, encoder_counts=counts))
     memory = step(stands, sample(50, 5, encoder_counts=counts), params=PARAMS._replace(limits=limits))
     assert (memory.cause, memory.recover_signs) == (TripCause.JOINT_LIMIT, tuple(sign * (i == link) for i in range(3)))
 
 
 def test_the_last_of_the_force_causes_has_a_direction_too():
     biased = watched(49, bias=Bias(50.0, 0.0, 0.0, 0.0, BIAS))
-    memory = step(running(watch=biased), sample(50, 5))
+    memory = step(running(observer=biased), sample(50, 5))
     assert (memory.cause, memory.recover_signs) == (TripCause.FORCE_BELOW_BIAS, (0, -1, 0))
     for number, counts in ((51, 4), (52, HEAVY)):  # a worse one among them does not end its recovery
         memory = step(memory, sample(number, force_counts=counts), asked(Event.HOLD_RECOVER))
@@ -433,7 +438,7 @@ ASKS = st.builds(
     st.booleans(),
     st.booleans(),
     st.sampled_from([0, 0, 20_000_000, 20_000_001]),
-    st.builds(Links, *[st.sampled_from([0, 0, 0, 1, 2])] * 3, st.integers(-40, 40)),
+    st.builds(LinkHealth, *[st.sampled_from([0, 0, 0, 1, 2])] * 3, st.integers(-40, 40)),
 )
 
 
@@ -441,11 +446,11 @@ ASKS = st.builds(
 @given(st.sampled_from([DISARMED, armed(), started(), running(), tripped()]), st.lists(st.tuples(SAMPLES, ASKS), max_size=8))
 def test_plain_and_compiled_supervisors_agree_and_permit_nothing_without_an_arming(memory, steps):
     machine = memory
-    for seen, wanted in steps:
+    for current, inputs in steps:
         before = memory
-        memory, permit = supervisor_step(memory, PARAMS, seen, wanted)
-        machine, shown = supervisor_step_compiled(machine, PARAMS, seen, wanted)
+        memory, permit = supervisor_step(memory, PARAMS, current, inputs)
+        machine, shown = supervisor_step_compiled(machine, PARAMS, current, inputs)
         assert (tuple(machine), tuple(shown)) == (memory, permit)
         assert (memory.arming_id != 0) == (memory.mode in (Mode.ARMED, Mode.RUNNING, Mode.RECOVER))
-        if wanted.event == Event.NOTHING:
+        if inputs.event == Event.NOTHING:
             assert memory.arming_id in (0, before.arming_id)

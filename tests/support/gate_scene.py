@@ -34,8 +34,8 @@ def armed_anew(arming_id, **changes):
     return FINE._replace(permit=PERMIT._replace(arming_id=arming_id), command=COMMAND._replace(arming_id=arming_id), **changes)
 
 
-def step(memory, seen, limits=LIMITS, at_latch=True):
-    return gate_step(memory, limits, seen, at_latch)
+def step(memory, observed, limits=LIMITS, at_latch=True):
+    return gate_step(memory, limits, observed, at_latch)
 
 
 def opened(samples=1, limits=LIMITS):

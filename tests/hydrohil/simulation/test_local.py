@@ -59,7 +59,7 @@ def pressed():
 def tared_n(outcome):
     """What the supervisor judged at every tick from 0 on."""
     counts = outcome.rows.force_counts[-outcome.first_tick :]
-    return counts * N_PER_FORCE_COUNT - outcome.supervisor.watch.bias.mean_n
+    return counts * N_PER_FORCE_COUNT - outcome.supervisor.observer.bias.mean_n
 
 
 def test_the_tool_presses_and_the_trial_runs_to_its_declared_end(pressed):
@@ -75,8 +75,8 @@ def test_the_valves_are_shut_while_the_bias_is_taken(pressed):
     assert (pressed.rows.dac_counts[bias] == 2048).all()
     assert (pressed.rows.true_q[bias] == pressed.rows.true_q[0]).all()
     force_n = pressed.rows.force_counts[bias] * N_PER_FORCE_COUNT
-    assert pressed.supervisor.watch.bias.mean_n == pytest.approx(force_n.mean())
-    assert pressed.supervisor.watch.bias.spread_n == pytest.approx(force_n.std(), rel=1e-6)
+    assert pressed.supervisor.observer.bias.mean_n == pytest.approx(force_n.mean())
+    assert pressed.supervisor.observer.bias.spread_n == pytest.approx(force_n.std(), rel=1e-6)
 
 
 def test_the_same_seed_gives_the_same_bits_and_another_does_not(pressed):
