@@ -225,7 +225,7 @@ def test_each_failure_mode_meets_its_measure(attack, outcome, key):
         assert channel.judge().state == GateState.OPEN
         return
     assert channel.device.codes == ZERO
-    cause = channel.keeper.last_cut
+    cause = GateCause[channel.keeper.status()["last_cut"]]
     assert cause == (outcome.permit if key == PERMIT else outcome.command)
     assert 77 in channel.keeper.revoked
     channel.now_ns += 5_000 * MS
