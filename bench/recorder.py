@@ -69,7 +69,7 @@ def numbered(body: Any, number: int, period_ns: int) -> Any:
 
 
 def describe(period_ns: int) -> PlantDescription:
-    """The machine that seems to send."""
+    """The machine that this process stands for."""
     lease_ns = 20_000_000
     machine = ("Unimate MKII-2000", UNIMATE_ENCODERS, UNIMATE_FORCE, UNIMATE_CONVERTERS)
     return PlantDescription(*machine, period_ns, period_ns * 4 // 5, lease_ns, lease_ns, 420.0, 2, 1.0)

@@ -232,7 +232,6 @@ def test_the_loop_reads_no_wall_clock():
 
 # Folders whose calls are not all by keyword yet.
 NOT_YET = {
-    "bench",
     "hydrohil/cell",
     "hydrohil/cli",
     "services/controller",
@@ -247,8 +246,6 @@ NOT_YET = {
     "tests/hydrohil/claims",
     "tests/hydrohil/cli",
     "tests/hydrohil/experiment",
-    "tests/hydrohil/qualification",
-    "tests/live",
     "tests/plant",
     "tests/proof",
     "tests/shared/contract",

@@ -41,7 +41,6 @@ def faults(
     Examples: `hydrohil faults --list`, `hydrohil faults`, `hydrohil faults --quick`,
     `hydrohil faults --only 1 2 4 5 5b --trials 50`
     """
-    from hydrohil.cell.connection import service_options
     from hydrohil.cli import faults_list
     from hydrohil.faulttest.matrix import UnknownRowError, find_rows
 

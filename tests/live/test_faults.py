@@ -1,4 +1,4 @@
-"""A machine that is broken on purpose in a real cell: the clocks agree to the bit; what is injected begins where it is said."""
+"""A machine that is broken on purpose in a real cell: the clocks agree to the bit, and so do announced and real begin."""
 
 import json
 from collections.abc import Iterator
@@ -40,9 +40,9 @@ ACTUATORS = (
 
 @pytest.fixture(scope="module")
 def cell() -> Iterator[Cell]:
-    made = Cell()
-    yield made
-    made.close()
+    live = Cell()
+    yield live
+    live.close()
 
 
 def options(faults: tuple[str, ...]) -> list[str]:
@@ -71,19 +71,19 @@ def test_lockstep_equals_local_bit_for_bit_with_a_broken_machine(cell: Cell, tmp
     assert not np.array_equal(local.dac_counts, sound.dac_counts)
 
 
-def test_a_dead_gauge_trips_lockstep_and_local_at_the_same_tick_and_the_recording_tells(cell: Cell, tmp_path: Path):
+def test_a_dead_gauge_trips_lockstep_and_local_at_the_same_tick_and_the_recording_says_so(cell: Cell, tmp_path: Path):
     dead, rrd = ("dropout force at=0.9",), tmp_path / "r.rrd"
     local = trace(cell, tmp_path, "local", dead, 3)
     assert local.tick[-1] == 200 and local.force_counts[-1] == MIN_FORCE_COUNTS
     assert_same_bits(trace(cell, tmp_path, "lockstep", dead, 3, "--rrd", str(rrd)), local)
-    told = "".join(
+    log = "".join(
         str(chunk.to_record_batch().to_pydict()) for chunk in RrdReader(rrd).stream() if "log/plant" in chunk.entity_path
     )
-    assert "fault begins: dropout force" in told and "fault ends: dropout force" in told
+    assert "fault begins: dropout force" in log and "fault ends: dropout force" in log
     cell.calm()
 
 
-def test_what_is_injected_begins_at_the_sample_that_is_told_is_shown_and_ends_when_cleared(cell: Cell):
+def test_what_is_injected_begins_at_the_sample_that_is_announced_is_shown_and_ends_when_cleared(cell: Cell):
     samples, events = cell.bus.subscribe("plant/sample", 4096), cell.bus.subscribe("plant/fault")
     done = cell.run("inject", "dropout", "force", "--after", "0.1", "--json")
     assert done.returncode == 0, done.stderr
@@ -96,9 +96,9 @@ def test_what_is_injected_begins_at_the_sample_that_is_told_is_shown_and_ends_wh
     first, last = (message.body for message in events.take())
     assert first == FaultEvent(begins, first.tick, 1, "dropout", "force", 0.0)
     assert cell.status("plant")["faults"] == {"acting": [], "waiting": []}
-    seen = {message.body.number: message.body.force_counts for message in samples.take()}
-    assert min(seen) < begins
-    for number, counts in seen.items():
+    observed = {message.body.number: message.body.force_counts for message in samples.take()}
+    assert min(observed) < begins
+    for number, counts in observed.items():
         assert (counts == MIN_FORCE_COUNTS) == (begins <= number < last.number)
 
 

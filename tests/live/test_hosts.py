@@ -3,12 +3,11 @@
 import json
 import shutil
 import subprocess
-import sys
-from pathlib import Path
 
 import pytest
 
-ROOT = Path(__file__).resolve().parents[2]
+from tests.support.children import support_environment, support_module
+
 TRIED = (
     "ip link set lo up && ip link add switch type bridge && unshare -n true && "
     "ip link add one type veth peer name two && ip route add blackhole 192.0.2.9/32 && nsenter -t $$ -n true"
@@ -16,7 +15,7 @@ TRIED = (
 
 
 def impossible() -> str:
-    """Why this machine makes no hosts of its own; "" if it does."""
+    """Why this machine cannot make hosts of its own; "" if it does."""
     missing = [tool for tool in ("unshare", "nsenter", "ip") if shutil.which(tool) is None]
     if missing:
         return f"a cell across hosts is skipped: this machine has no {', no '.join(missing)}"
@@ -30,12 +29,12 @@ pytestmark = [pytest.mark.slow, pytest.mark.live, pytest.mark.skipif(bool(REASON
 
 @pytest.mark.parametrize(("service", "cuts"), [("controller", 3), ("supervisor", 3), ("plant", 1)])
 def test_a_host_whose_cable_is_pulled_leaves_the_valves_at_zero_and_nothing_resumes(service: str, cuts: int):
-    line = ["unshare", "-rn", sys.executable, "-m", "tests.support.hosts_cell", service]
-    made = subprocess.run(line, capture_output=True, text=True, check=False, cwd=ROOT, timeout=240)
-    assert made.returncode == 0, made.stdout + made.stderr
-    found = [json.loads(told) for told in made.stdout.splitlines()]
+    line = ["unshare", "-rn", *support_module("tests.support.hosts_cell"), service]
+    run = subprocess.run(line, capture_output=True, text=True, check=False, env=support_environment(), timeout=240)
+    assert run.returncode == 0, run.stdout + run.stderr
+    found = [json.loads(line) for line in run.stdout.splitlines()]
     assert len(found) == cuts
-    for told in found:
-        assert told["held"], told  # zero current within lease and period, and so was every sample after
-        assert told["at_rest"] and told["revoked"] == 1, told
-        assert told["mode"] == "TRIPPED", told
+    for line in found:
+        assert line["held"], line  # zero current within lease and period, and so was every sample after
+        assert line["at_rest"] and line["revoked"] == 1, line
+        assert line["mode"] == "TRIPPED", line

@@ -81,9 +81,9 @@ def own_folder(tmp_path: Path) -> Path:
 def run(command: list[str], *words: str, folder: Path, seconds: float = 120.0, statuses: tuple[int, ...] = (0,)) -> str:
     """Standard output of a command that must end with one of `statuses`."""
     clean = {name: value for name, value in os.environ.items() if name != "PYTHONPATH"}
-    made = subprocess.run([*command, *words], cwd=folder, env=clean, capture_output=True, text=True, check=False, timeout=seconds)
-    assert made.returncode in statuses and "working folder" not in made.stdout + made.stderr, made.stdout + made.stderr
-    return made.stdout
+    run = subprocess.run([*command, *words], cwd=folder, env=clean, capture_output=True, text=True, check=False, timeout=seconds)
+    assert run.returncode in statuses and "working folder" not in run.stdout + run.stderr, run.stdout + run.stderr
+    return run.stdout
 
 
 def test_the_wheel_holds_one_name(wheel: Path) -> None:

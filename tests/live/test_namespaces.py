@@ -3,12 +3,11 @@
 import json
 import shutil
 import subprocess
-import sys
-from pathlib import Path
 
 import pytest
 
-ROOT = Path(__file__).resolve().parents[2]
+from tests.support.children import support_environment, support_module
+
 TRIED = "ip link set lo up && ip rule add pref 5 ipproto tcp sport 1 blackhole"
 
 
@@ -27,10 +26,10 @@ pytestmark = [pytest.mark.slow, pytest.mark.live, pytest.mark.skipif(bool(REASON
 
 def cut(services: str, ways: str):
     """What plant and supervisor say after the cut of these services' links to the plant, and after it has healed."""
-    line = ["unshare", "-rn", sys.executable, "-m", "tests.support.namespace_cell", services, ways]
-    made = subprocess.run(line, capture_output=True, text=True, check=False, cwd=ROOT, timeout=180)
-    assert made.returncode == 0, made.stderr
-    return json.loads(made.stdout.splitlines()[-1])
+    line = ["unshare", "-rn", *support_module("tests.support.namespace_cell"), services, ways]
+    run = subprocess.run(line, capture_output=True, text=True, check=False, env=support_environment(), timeout=180)
+    assert run.returncode == 0, run.stderr
+    return json.loads(run.stdout.splitlines()[-1])
 
 
 @pytest.mark.parametrize("ways", ["to", "from", "both"])

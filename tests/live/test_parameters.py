@@ -22,9 +22,9 @@ GAIN = "controller.gains.down_up.kp_a_per_q"
 
 @pytest.fixture(scope="module")
 def cell() -> Iterator[Cell]:
-    made = Cell()
-    yield made
-    made.close()
+    live = Cell()
+    yield live
+    live.close()
 
 
 def test_a_gain_and_a_law_are_changed_in_a_trial_which_then_has_no_verdict(cell: Cell, tmp_path: Path):
@@ -32,15 +32,15 @@ def test_a_gain_and_a_law_are_changed_in_a_trial_which_then_has_no_verdict(cell:
     run = cell.begun_run(tmp_path, "--json", str(report), "--rrd", str(rrd), duration_s=LASTS_S)
     done = cell.run("set", f"{GAIN}=6.0", "controller.law=pi", "--json")
     assert done.returncode == 0, done.stderr
-    told = json.loads(done.stdout)
-    assert [(one["path"], one["new"]) for one in told["changed"]] == [("controller.law", '"pi"'), (GAIN, "6.0")]
+    answer = json.loads(done.stdout)
+    assert [(one["path"], one["new"]) for one in answer["changed"]] == [("controller.law", '"pi"'), (GAIN, "6.0")]
     assert "changed: controller.law" in " ".join(cell.run("status").stdout.split())
     out, err = run.communicate(timeout=60)
     assert run.returncode == 5, out + err
-    assert "NO VERDICT" in out and f'changed by hand at sample {told["number"]}: controller.law "final" -> "pi"' in out
-    made = json.loads(report.read_text())
-    assert made["exit_status"] == 5 and len(made["changed_by_hand"]) == 2
-    assert made["gap"] or made["claims"][0]["measured"] is not None  # a busy machine may lose a tick of so long a trial
+    assert "NO VERDICT" in out and f'changed by hand at sample {answer["number"]}: controller.law "final" -> "pi"' in out
+    written = json.loads(report.read_text())
+    assert written["exit_status"] == 5 and len(written["changed_by_hand"]) == 2
+    assert written["gap"] or written["claims"][0]["measured"] is not None  # a busy machine may lose a tick of so long a trial
     assert cell.status("controller")["changed"] == [] and cell.status("controller")["law"] == "final"
     log = "".join(
         str(chunk.to_record_batch().to_pydict()) for chunk in RrdReader(rrd).stream() if "log/controller" in chunk.entity_path

@@ -11,6 +11,7 @@ import pytest
 from hydrohil.qualification.grading import judge
 from hydrohil.qualification.record import RateTrial, keep
 from hydrohil.shared import cache
+from hydrohil.shared.host.child import environment
 from hydrohil.shared.host.qualified import record_file, this_host
 from tests.support.live_cell import LEASE_MS, begun, end, hydrohil, line, own_place, processes, swing, until
 from tests.support.qualification_scene import GOOD
@@ -35,8 +36,8 @@ def test_everything_is_measured_and_a_trial_of_a_second_qualifies_nothing(own_ca
     run = begun(place, "qualify", "--quick", "--seconds", "1", "--rate-hz", "100", "--json", str(file))
     out, err = run.communicate(timeout=120)
     assert run.returncode == 1, out + err
-    told = json.loads(file.read_text())
-    (trial,) = told["trials"]
+    written = json.loads(file.read_text())
+    (trial,) = written["trials"]
     assert (trial["period_ns"], trial["qualified"]) == (10_000_000, False)
     for name in ("wake_ups_us", "limit_us", "ping_us"):
         assert 0.0 <= trial[name]["p50"] <= trial[name]["p99"] <= trial[name]["p999"] <= trial[name]["max"] < math.inf
@@ -75,7 +76,9 @@ def test_a_run_above_the_qualified_rate_is_refused_in_one_line_and_one_on_purpos
         )
     place, file = own_place(), tmp_path / "r.json"
     arguments = ("run", swing(tmp_path), "--permit-ttl-ms", LEASE_MS, "--json", str(file))
-    refused = subprocess.run(line(place, *arguments)[:-1], capture_output=True, text=True, check=False, timeout=120)
+    refused = subprocess.run(
+        line(place, *arguments)[:-1], env=environment(), capture_output=True, text=True, check=False, timeout=120
+    )
     assert refused.returncode == 2, refused.stdout + refused.stderr
     (said,) = refused.stderr.strip().splitlines()
     assert "222.2 Hz" in said and "100 Hz" in said and "hydrohil qualify" in said

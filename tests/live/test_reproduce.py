@@ -15,8 +15,8 @@ FIGURE = find_figure("fig-4-24")
 @pytest.mark.live
 def test_lockstep_shows_what_the_local_clock_shows(tmp_path: Path):
     arguments = ("--clock", "lockstep", "--permit-ttl-ms", LEASE_MS, "--out", str(tmp_path), "--json", str(tmp_path / "r.json"))
-    made = hydrohil(own_place(), "reproduce", FIGURE.name, *arguments)
-    assert made.returncode in (0, 1), made.stdout + made.stderr
-    (told,) = json.loads((tmp_path / "r.json").read_text())["figures"]
+    run = hydrohil(own_place(), "reproduce", FIGURE.name, *arguments)
+    assert run.returncode in (0, 1), run.stdout + run.stderr
+    (figure,) = json.loads((tmp_path / "r.json").read_text())["figures"]
     local = judge_figure(FIGURE, {FIGURE.name: play(FIGURE.subject, 0)})
-    assert [claim["measured"] for claim in told["claims"]] == [[verdict.measured] for verdict in local.verdicts]
+    assert [claim["measured"] for claim in figure["claims"]] == [[verdict.measured] for verdict in local.verdicts]

@@ -2,13 +2,13 @@
 
 import os
 import subprocess
-import sys
 from collections.abc import Iterator
 from pathlib import Path
 
 import pytest
 
 from hydrohil.cell import processes as cells
+from hydrohil.shared.host.child import environment, python_module
 from hydrohil.shared.transport.endpoints import Network
 from tests.support.live_cell import LEASE, LEASE_MS, ZERO, begun, ended, hydrohil, own_place, processes, swing, until
 
@@ -23,8 +23,8 @@ class Router:
         self.start()
 
     def start(self) -> None:
-        line = [sys.executable, "-m", "hydrohil.services.router", "--listen", self.endpoint, "--with-parent", str(os.getpid())]
-        self.process = subprocess.Popen(line, stdout=subprocess.PIPE)
+        line = [*python_module("hydrohil.services.router"), "--listen", self.endpoint, "--with-parent", str(os.getpid())]
+        self.process = subprocess.Popen(line, env=environment(), stdout=subprocess.PIPE)
         assert self.process.stdout.readline().startswith(b"router: listens")
 
     def kill(self) -> None:
@@ -34,9 +34,9 @@ class Router:
 
 @pytest.fixture
 def router() -> Iterator[Router]:
-    made = Router(own_place().port)
-    yield made
-    made.kill()
+    started = Router(own_place().port)
+    yield started
+    started.kill()
 
 
 def place_behind(router: Router) -> cells.Place:

@@ -1,4 +1,4 @@
-"""Runs in a real cell: the command line end to end, the clocks, the recording, strangers on the network."""
+"""Runs in a real cell: the command line end to end, the clocks, the recording, foreign frames on the network."""
 
 import json
 import signal
@@ -28,9 +28,9 @@ COMMAND = "controller/command"
 
 @pytest.fixture(scope="module")
 def cell() -> Iterator[Cell]:
-    made = Cell()
-    yield made
-    made.close()
+    live = Cell()
+    yield live
+    live.close()
 
 
 def readable(path: Path) -> bool:
@@ -39,15 +39,15 @@ def readable(path: Path) -> bool:
 
 
 def test_a_real_run_ends_with_its_verdict_report_trace_and_recording(cell: Cell, tmp_path: Path):
-    report, trace, rrd = tmp_path / "r.json", tmp_path / "t.npz", tmp_path / "r.rrd"
-    run = cell.run("run", swing(tmp_path), "--json", str(report), "--trace", str(trace), "--rrd", str(rrd))
+    file, trace, rrd = tmp_path / "r.json", tmp_path / "t.npz", tmp_path / "r.rrd"
+    run = cell.run("run", swing(tmp_path), "--json", str(file), "--trace", str(trace), "--rrd", str(rrd))
     assert run.returncode == 0, run.stdout + run.stderr
-    told = json.loads(report.read_text())
-    assert (told["clock"], told["exit_status"], told["tripped"], told["gap"]) == ("real", 0, None, None)
-    assert [claim["holds"] for claim in told["claims"]] == [True]
-    seen = read_trace(trace)
-    assert list(seen.tick) == list(range(round(1.5 / 4.5e-3)))
-    assert {len(column) for column in seen} == {len(seen.tick)}
+    report = json.loads(file.read_text())
+    assert (report["clock"], report["exit_status"], report["tripped"], report["gap"]) == ("real", 0, None, None)
+    assert [claim["holds"] for claim in report["claims"]] == [True]
+    observed = read_trace(trace)
+    assert list(observed.tick) == list(range(round(1.5 / 4.5e-3)))
+    assert {len(column) for column in observed} == {len(observed.tick)}
     assert readable(rrd)
 
 
@@ -71,11 +71,23 @@ def test_a_second_controller_is_refused_in_one_line(cell: Cell):
 
 
 def frames(cell: str) -> dict[str, bytes]:
-    """What a stranger may send, by the cause under which it must be counted."""
+    """Frames of a foreign sender, by the cause under which each must be counted."""
     key = expression(cell, COMMAND)
 
     def frame(**changed: object) -> bytes:
-        header = Header(WIRE_VERSION, 5, cell, 0, b"", "controller", 1, 0, 0, NO_COMMAND, 0)
+        header = Header(
+            version=WIRE_VERSION,
+            schema=5,
+            cell=cell,
+            run=0,
+            experiment=b"",
+            sender="controller",
+            epoch=1,
+            arming_id=0,
+            seq=0,
+            echo_number=NO_COMMAND,
+            echo_time_ns=0,
+        )
         return encode(key, header._replace(**changed), Command((820, 820, 820)))
 
     whole = frame()
@@ -90,12 +102,12 @@ def frames(cell: str) -> dict[str, bytes]:
     } | {"crc": whole[:-1] + bytes([whole[-1] ^ 1])}
 
 
-def test_strangers_frames_are_counted_by_cause_and_change_nothing(cell: Cell, tmp_path: Path):
+def test_foreign_frames_are_counted_by_cause_and_change_nothing(cell: Cell, tmp_path: Path):
     before = cell.status("plant")["link_stats"][COMMAND]
     run = cell.begun_run(tmp_path, duration_s=4.0)
     sent = 0
     with Bus("stranger", cell.place.cell, cell.place.port, 1) as bus:
-        until(lambda: "plant" in bus.alive(0.2), "the stranger sees the plant")
+        until(lambda: "plant" in bus.alive(0.2), "the foreign sender sees the plant")
         key = expression(cell.place.cell, COMMAND)
         for _ in range(20):
             for frame in frames(cell.place.cell).values():

@@ -1,4 +1,4 @@
-"""What a real cell does when something is taken from it in the middle of a trial."""
+"""A real cell that loses a service, or is stopped, in the middle of a trial."""
 
 import signal
 from collections.abc import Iterator
@@ -13,9 +13,9 @@ pytestmark = pytest.mark.live
 
 @pytest.fixture(scope="module")
 def cell() -> Iterator[Cell]:
-    made = Cell()
-    yield made
-    made.close()
+    live = Cell()
+    yield live
+    live.close()
 
 
 @pytest.fixture(autouse=True)
@@ -93,7 +93,7 @@ def test_a_controller_that_returns_moves_nothing(cell: Cell, tmp_path: Path):
 
 
 @pytest.mark.parametrize("service", ["recorder", "controller", "supervisor", "plant"])
-def test_a_service_that_is_told_to_end_ends_with_status_0(cell: Cell, service: str):
+def test_a_service_ends_on_sigterm_with_status_0(cell: Cell, service: str):
     process = cell.processes[service]
     process.send_signal(signal.SIGTERM)
     assert process.wait(timeout=5.0) == 0

@@ -27,8 +27,8 @@ ATTEMPTS = 5
 SETTLED_S = 0.2  # the last messages are under way
 
 
-class Told(NamedTuple):
-    """What one trial gave."""
+class Outcome(NamedTuple):
+    """What one trial showed."""
 
     cuts: list[tuple[int, GateCause]]  # ticks at which the gate was revoked, and why
     trace: Trace | None
@@ -42,36 +42,36 @@ def bus() -> Iterator[Bus]:
     place = own_place()
     started = cells.start(place, cells.LOOP, with_parent=True, extra={"plant": ["--permit-ttl-ms", str(LEASE_MS)]})
     try:
-        with cells.operator_bus(place) as made:
-            cells.await_ready(place, made, started)
-            yield made
+        with cells.operator_bus(place) as bus:
+            cells.await_ready(place, bus, started)
+            yield bus
     finally:
         cells.stop(process.pid for process in started.values())
 
 
-def trial(bus: Bus, *faults: Fault) -> Told:
+def trial(bus: Bus, *faults: Fault) -> Outcome:
     """A trial under these faults; one that a stall of the host ends before its first tick is begun again."""
     for _ in range(ATTEMPTS):
         cells.ask(bus, "plant", "reset")
         time.sleep(0.05)  # the supervisor judges a reset by the next samples
         bus.ask("supervisor", "reset", {}, 1.0)
-        told = attempt(bus, *faults)
-        if told is not None:
-            return told
+        outcome = attempt(bus, *faults)
+        if outcome is not None:
+            return outcome
     raise AssertionError("never began")
 
 
-def attempt(bus: Bus, *faults: Fault) -> Told | None:
-    made = experiment(DURATION_S)._replace(faults=faults, claims=())
-    made = made._replace(plant=made.plant._replace(jitter_substeps=0, bias_s=0.5))
-    run = load(bus, made, 1, "lockstep").run
+def attempt(bus: Bus, *faults: Fault) -> Outcome | None:
+    trial = experiment(DURATION_S)._replace(faults=faults, claims=())
+    trial = trial._replace(plant=trial.plant._replace(jitter_substeps=0, bias_s=0.5))
+    run = load(bus, trial, 1, "lockstep").run
     collector = Collector(bus)
     try:
         arm(bus)
         cells.ask(bus, "supervisor", "start")
     except cells.CellError:
         return None
-    watch(collector, made, lambda _: None)
+    watch(collector, trial, lambda _: None)
     time.sleep(SETTLED_S)
     events = [m.body for m in collector.gate_events.drain() if isinstance(m, Received) and m.header.run == run]
     openings = [event for event in events if event.state == GateState.OPEN]
@@ -84,9 +84,9 @@ def attempt(bus: Bus, *faults: Fault) -> Told | None:
     trace = (
         None
         if cuts or any(fault.target.startswith("plant") for fault in faults)
-        else collector.trace(run, duration_ticks(DURATION_S, made.plant))
+        else collector.trace(run, duration_ticks(DURATION_S, trial.plant))
     )
-    return Told(cuts[:1], trace, len(openings) > 1, status, newest.body.trip_number - openings[0].number)
+    return Outcome(cuts[:1], trace, len(openings) > 1, status, newest.body.trip_number - openings[0].number)
 
 
 @pytest.fixture(scope="module")
@@ -121,29 +121,29 @@ def test_a_delay_is_carried_up_to_the_lease_and_safe_just_past_it(bus: Bus, path
 
 @pytest.mark.parametrize("cut", ["plant>controller", "controller>plant", "plant-controller"])
 def test_a_partition_from_the_controller_is_safe_after_the_lease_and_nothing_resumes(bus: Bus, cut: str):
-    told = trial(bus, Fault("partition", cut, 0.2, 0.2))
-    assert told.cuts == [(TICK + HELD, GateCause.COMMAND_STALE)] and not told.open_after
+    outcome = trial(bus, Fault("partition", cut, 0.2, 0.2))
+    assert outcome.cuts == [(TICK + HELD, GateCause.COMMAND_STALE)] and not outcome.open_after
 
 
 @pytest.mark.parametrize("cut", ["plant>supervisor", "supervisor>plant", "plant-supervisor"])
 def test_a_partition_from_the_supervisor_is_safe_after_the_lease_and_nothing_resumes(bus: Bus, cut: str):
-    told = trial(bus, Fault("partition", cut, 0.2, 0.2))
-    assert told.cuts == [(TICK + HELD, GateCause.PERMIT_STALE)] and not told.open_after
-    assert told.status["supervisor"]["mode"] == "TRIPPED"
+    outcome = trial(bus, Fault("partition", cut, 0.2, 0.2))
+    assert outcome.cuts == [(TICK + HELD, GateCause.PERMIT_STALE)] and not outcome.open_after
+    assert outcome.status["supervisor"]["mode"] == "TRIPPED"
 
 
 @pytest.mark.parametrize("cut", ["controller>supervisor", "controller-supervisor"])
 def test_a_controller_that_the_supervisor_does_not_hear_trips_though_its_commands_arrive(bus: Bus, cut: str):
-    told = trial(bus, Fault("partition", cut, 0.2, 0.2))
+    outcome = trial(bus, Fault("partition", cut, 0.2, 0.2))
     last_heard, bearable = TICK - 1, int(LEASE_MS / PERIOD_MS) + 2
-    assert (told.status["supervisor"]["cause"], told.trip_tick) == ("CONTROLLER_SILENT", last_heard + bearable + 1)
-    assert told.status["plant"]["dac_counts"] == [2048, 2048, 2048] and not told.open_after
+    assert (outcome.status["supervisor"]["cause"], outcome.trip_tick) == ("CONTROLLER_SILENT", last_heard + bearable + 1)
+    assert outcome.status["plant"]["dac_counts"] == [2048, 2048, 2048] and not outcome.open_after
 
 
 @pytest.mark.parametrize("path", ["controller>plant", "supervisor>plant"])
 def test_a_duplicate_is_counted_and_changes_no_number(bus: Bus, undisturbed: Trace, path: str):
-    told = trial(bus, Fault("duplicate", path, 0.2, 0.0045, 1.0))
-    assert told.trace is not None and same(told.trace, undisturbed)
+    outcome = trial(bus, Fault("duplicate", path, 0.2, 0.0045, 1.0))
+    assert outcome.trace is not None and same(outcome.trace, undisturbed)
 
 
 def test_the_delay_of_a_command_moves_the_instant_at_which_it_takes_effect(bus: Bus, undisturbed: Trace):

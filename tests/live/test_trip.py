@@ -19,18 +19,18 @@ LIMIT = "supervisor.joint_high_q=[1.0, 0.05, 1.0]"  # the swing goes to 0.09 rad
 @pytest.fixture
 def cell(tmp_path: Path, monkeypatch):
     monkeypatch.chdir(tmp_path)  # where the recorder and the command write
-    made = Cell()
-    yield made
-    made.close()
+    live = Cell()
+    yield live
+    live.close()
 
 
 def tripped(cell: Cell, folder: Path) -> dict:
-    """The report of one tripping run, as `--json` tells it."""
+    """The report of one tripping run, as `--json` writes it."""
     run = cell.run("run", swing(folder), "--clock", "lockstep", "--set", LIMIT, "--json", str(folder / "r.json"))
     assert run.returncode == 3, run.stdout + run.stderr
-    told = json.loads((folder / "r.json").read_text())
-    assert told["trip"]["sentence"] in run.stdout.replace("\n", "")
-    return told
+    report = json.loads((folder / "r.json").read_text())
+    assert report["trip"]["sentence"] in run.stdout.replace("\n", "")
+    return report
 
 
 def unloaded(cell: Cell) -> None:
@@ -39,7 +39,7 @@ def unloaded(cell: Cell) -> None:
 
 
 def test_a_trip_in_lockstep_is_reported_exactly_twice_if_it_happens_twice_and_without_a_recorder_too(cell: Cell, tmp_path: Path):
-    told = tripped(cell, tmp_path)
+    report = tripped(cell, tmp_path)
     experiment = from_toml(Path(swing(tmp_path)))
     tight = experiment.supervisor._replace(joint_high_q=(1.0, 0.05, 1.0))
     outcome = play_local(experiment._replace(supervisor=tight), 0)
@@ -47,20 +47,20 @@ def test_a_trip_in_lockstep_is_reported_exactly_twice_if_it_happens_twice_and_wi
     local = local_report(experiment, outcome)
     assert local is not None
     for field in ("by", "cause", "measured", "limit", "tick", "trial_time_s"):
-        assert told["trip"][field] == local[field], told["trip"]["sentence"]
-    assert told["trip"]["stop"]["samples_later"] == 1
-    assert told["trip"]["stop"]["tip_moved_m"] > 0.0
+        assert report["trip"][field] == local[field], report["trip"]["sentence"]
+    assert report["trip"]["stop"]["samples_later"] == 1
+    assert report["trip"]["stop"]["tip_moved_m"] > 0.0
     (file,) = reports(tmp_path / "runs" / "trips")
-    assert Path(told["trip_report"]) == file
+    assert Path(report["trip_report"]) == file
     written = read(file)
-    assert (written["sample"], written["receiver"]) == (told["trip"]["sample"], "the recorder's")
+    assert (written["sample"], written["receiver"]) == (report["trip"]["sample"], "the recorder's")
     assert written["signals"]["plant/sample"]["tick"].count(local["tick"]) == 1
     assert str(file) in cell.run("status").stdout.replace("\n", "").replace("│", "").replace(" ", "")
 
     unloaded(cell)
     second = tripped(cell, tmp_path)
     assert len(reports(tmp_path / "runs" / "trips")) == 2
-    assert second["trip"]["sample"] > told["trip"]["sample"] and second["trip"]["tick"] == told["trip"]["tick"]
+    assert second["trip"]["sample"] > report["trip"]["sample"] and second["trip"]["tick"] == report["trip"]["tick"]
 
     cell.kill("recorder")
     unloaded(cell)

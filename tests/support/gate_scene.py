@@ -13,7 +13,17 @@ NO_SIGNS = (0, 0, 0)
 
 PERMIT = PermitObservation(True, ARMING_ID, SUPERVISOR, int(Mode.RUNNING), 4_000_000, NO_SIGNS)
 COMMAND = CommandObservation(True, ARMING_ID, CONTROLLER, 4_000_000, 100, ZERO)
-FINE = GateInput(PERMIT, COMMAND, 10, 13.5, 0, False, False, 0, 0)
+FINE = GateInput(
+    permit=PERMIT,
+    command=COMMAND,
+    force_counts=10,
+    force_n=13.5,
+    tick=0,
+    estop=False,
+    overrun=False,
+    link_faults=0,
+    epoch_conflicts=0,
+)
 UNLOAD_UP = PERMIT._replace(mode=int(Mode.RECOVER), recover_signs=(0, -1, 0))
 
 

@@ -1,7 +1,7 @@
 """A cell whose services are on hosts of their own: a network namespace each, cables to one switch, and `--hosts`.
 
 Run in `unshare -rn`: pulls a cable, or drops what one host sends another, while the valves move; mends it, and prints a line of
-JSON for each. The namespaces live as long as the services in them, so that nothing is left, however this ends.
+JSON for each. The namespaces end with the services in them, so that nothing is left, however this ends.
 """
 
 import json
@@ -18,6 +18,7 @@ from hydrohil.cell.session import arm, load
 from hydrohil.faulttest.observer import Observer
 from hydrohil.faulttest.processes import period_s
 from hydrohil.faulttest.router import cut_of, judged_by_cut
+from hydrohil.shared.host.child import environment, python_module
 from hydrohil.shared.transport.bus import Bus
 from hydrohil.shared.transport.endpoints import Network
 from tests.support.live_cell import ZERO, experiment, own_place, until
@@ -25,7 +26,7 @@ from tests.support.live_cell import ZERO, experiment, own_place, until
 SWITCH = "192.0.2.1"  # of the network that RFC 5737 keeps for examples; also the operator's
 HOSTS = {"plant": "192.0.2.2", "controller": "192.0.2.3", "supervisor": "192.0.2.4"}
 OPTIONS = {"plant": ["--permit-ttl-ms", "200"]}
-WAITS = 'read go && exec "$@"'  # in its namespace, until that has an address; ends with whoever was to say go
+WAITS = 'read go && exec "$@"'  # in its namespace, until that has an address; ends with the process that would send "go"
 TRIAL_S, CUT_S, WATCHED_S = 30.0, 1.0, 1.0
 
 
@@ -62,11 +63,11 @@ def plugged_in(service: str, pid: int) -> None:
 
 def started(place: cells.Place, service: str) -> "subprocess.Popen[bytes]":
     """A service on its host."""
-    line = ["unshare", "-n", "sh", "-c", WAITS, "sh", sys.executable, "-m", f"hydrohil.services.{service}", *place.words]
+    line = ["unshare", "-n", "sh", "-c", WAITS, "sh", *python_module(f"hydrohil.services.{service}"), *place.words]
     line += ["--no-realtime", "--with-parent", str(os.getpid()), *OPTIONS.get(service, [])]
     place.folder.mkdir(parents=True, exist_ok=True)
     with Path(place.folder / f"{service}.log").open("wb") as log:
-        process = subprocess.Popen(line, stdin=subprocess.PIPE, stdout=log, stderr=subprocess.STDOUT)
+        process = subprocess.Popen(line, env=environment(), stdin=subprocess.PIPE, stdout=log, stderr=subprocess.STDOUT)
     plugged_in(service, process.pid)
     assert process.stdin is not None
     process.stdin.write(b"go\n")
@@ -93,7 +94,7 @@ def cuts(service: str, processes: cells.Processes) -> list[Cut]:
 
 
 def tried(bus: Bus, observer: Observer, cut: Cut) -> dict[str, Any]:
-    """What is heard of one cut while the valves move."""
+    """One cut while the valves move: the reaction, and the state afterwards."""
     swing = experiment(TRIAL_S)
     load(bus, swing, 1, "real")
     arm(bus)

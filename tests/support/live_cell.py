@@ -4,7 +4,6 @@ import os
 import random
 import signal
 import subprocess
-import sys
 import time
 from collections.abc import Callable
 from pathlib import Path
@@ -16,14 +15,17 @@ from hydrohil.experiment.experiment import Experiment, to_toml
 from hydrohil.services.controller.config import ControllerConfig, Segment
 from hydrohil.services.plant.config import PlantConfig
 from hydrohil.shared.contract.topics import SERVICES
+from hydrohil.shared.host.child import environment, python_module
 from hydrohil.shared.transport.bus import Bus
 
-LEASE_MS = "200"  # the longest: a busy machine must not decide what these tests say
+LEASE_MS = "200"  # the longest: a busy machine does not decide these tests
 LEASE = {"plant": ["--permit-ttl-ms", LEASE_MS]}
 ZERO = [2048, 2048, 2048]
 PATIENCE_S = 60.0
 PARTS = ("hydrohil.services.", "hydrohil.qualification.")
-FOLLOWS = Claim("It follows", "peak_to_peak", "q2", "above", 0.0, 1.5, "deg", low=5.0)
+FOLLOWS = Claim(
+    statement="It follows", metric="peak_to_peak", channel="q2", comparison="above", start_s=0.0, end_s=1.5, unit="deg", low=5.0
+)
 
 
 def experiment(duration_s: float) -> Experiment:
@@ -32,7 +34,7 @@ def experiment(duration_s: float) -> Experiment:
         name="swing",
         alias="swing",
         title="Swinging",
-        source="made here",
+        source="these tests",
         duration_s=duration_s,
         plant=PlantConfig(jitter_substeps=10, bias_s=0.5),
         controller=ControllerConfig(target="joint"),
@@ -54,19 +56,19 @@ def own_place() -> cells.Place:
 
 
 def line(place: cells.Place, *arguments: str) -> list[str]:
-    """The command line in that cell; what the machine is qualified for must not decide what these tests say."""
+    """The command line in that cell; the qualification of this machine does not decide these tests."""
     unqualified = ["--unqualified"] * (arguments[0] == "run")
-    return [sys.executable, "-m", "hydrohil", *arguments, *place.words, *unqualified]
+    return [*python_module("hydrohil"), *arguments, *place.words, *unqualified]
 
 
 def hydrohil(place: cells.Place, *arguments: str) -> subprocess.CompletedProcess[str]:
     """One command to its end."""
-    return subprocess.run(line(place, *arguments), capture_output=True, text=True, check=False, timeout=120)
+    return subprocess.run(line(place, *arguments), env=environment(), capture_output=True, text=True, check=False, timeout=120)
 
 
 def begun(place: cells.Place, *arguments: str) -> subprocess.Popen[str]:
     """One command that goes on."""
-    return subprocess.Popen(line(place, *arguments), stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True)
+    return subprocess.Popen(line(place, *arguments), env=environment(), stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True)
 
 
 def until(condition: Callable[[], Any], what: str) -> Any:
@@ -152,12 +154,12 @@ class Cell:
 
 
 def end(process: subprocess.Popen[str], number: int = signal.SIGINT) -> tuple[int, str]:
-    """Send a signal; exit status and everything that was said."""
+    """Send a signal; exit status and everything that was printed."""
     process.send_signal(number)
     return ended(process)
 
 
 def ended(process: subprocess.Popen[str]) -> tuple[int, str]:
-    """Exit status and everything that was said."""
+    """Exit status and everything that was printed."""
     out, err = process.communicate(timeout=60)
     return process.returncode, out + err

@@ -39,13 +39,13 @@ def caller_port(caller: int, listening: int) -> int:
 
 
 def rules(verb: str, ways: str, port: int) -> None:
-    """Drop ("add") or let pass ("del") what the caller sends ("to"), what is sent to him ("from"), or "both"."""
+    """Drop ("add") or let pass ("del") what the caller sends ("to"), what is sent to it ("from"), or "both"."""
     for way, side in (("to", "sport"), ("from", "dport")):
         if ways in (way, "both"):
             network("ip", "rule", verb, "pref", "5", "ipproto", "tcp", side, str(port), "blackhole")
 
 
-def said(bus: Bus) -> dict[str, Any]:
+def state(bus: Bus) -> dict[str, Any]:
     found = cells.statuses(bus, ("plant", "supervisor"))
     plant = found["plant"]
     return {"at_rest": plant["dac_counts"] == ZERO, "last_cut": plant["last_cut"], "mode": found["supervisor"]["mode"]}
@@ -62,15 +62,15 @@ def main(services: str, ways: str) -> None:
             load(bus, experiment(30.0), 1, "real", unqualified=True)
             arm(bus)
             cells.ask(bus, "supervisor", "start")
-            until(lambda: not said(bus)["at_rest"], "the valves move")
+            until(lambda: not state(bus)["at_rest"], "the valves move")
             for port in ports:
                 rules("add", ways, port)
             time.sleep(CUT_S)
-            during = said(bus)
+            during = state(bus)
             for port in ports:
                 rules("del", ways, port)
             time.sleep(HEALED_S)
-            print(json.dumps({"during": during, "after": said(bus)}))
+            print(json.dumps({"during": during, "after": state(bus)}))
     finally:
         cells.stop(process.pid for process in started.values())
 

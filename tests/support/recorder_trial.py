@@ -33,22 +33,34 @@ FIRST_NUMBER = 1000  # samples before it belong to no trial
 ARMING_ID, PLANT_EPOCH = 2**61 + 12345, 77
 SENDERS = {key: topic.publisher for key, topic in BY_KEY.items()}
 DESCRIPTION = PlantDescription(
-    "Unimate MKII-2000",
-    UNIMATE_ENCODERS,
-    UNIMATE_FORCE,
-    UNIMATE_CONVERTERS,
-    PERIOD_NS,
-    3_600_000,
-    20_000_000,
-    20_000_000,
-    420.0,
-    2,
-    1.0,
+    machine="Unimate MKII-2000",
+    encoders=UNIMATE_ENCODERS,
+    force=UNIMATE_FORCE,
+    converters=UNIMATE_CONVERTERS,
+    sample_period_ns=PERIOD_NS,
+    latch_ns=3_600_000,
+    permit_ttl_ns=20_000_000,
+    command_ttl_ns=20_000_000,
+    gate_force_limit_n=420.0,
+    force_axis=2,
+    force_sign=1.0,
 )
 
 
 def received(key: str, body: object, seq: int, echo: int = -1, arrival_ns: int = 0, epoch: int = PLANT_EPOCH) -> Received:
-    header = Header(WIRE_VERSION, BY_KEY[key].schema, "bench", 1, b"", SENDERS[key], epoch, ARMING_ID, seq, echo, 0)
+    header = Header(
+        version=WIRE_VERSION,
+        schema=BY_KEY[key].schema,
+        cell="bench",
+        run=1,
+        experiment=b"",
+        sender=SENDERS[key],
+        epoch=epoch,
+        arming_id=ARMING_ID,
+        seq=seq,
+        echo_number=echo,
+        echo_time_ns=0,
+    )
     return Received(arrival_ns, key, header, body)
 
 
@@ -61,7 +73,14 @@ def trial(ticks: int = 1200, outside: int = 30, trip_tick: int = 10**9) -> Itera
         yield from _sample(i, tick, trip_tick)
         if tick == trip_tick:
             event = GateEvent(
-                FIRST_NUMBER + i, tick, GateState.REVOKED, GateCause.FORCE_ABOVE_LIMIT, 3_600_000, 3_600_000, 431.9, 420.0
+                number=FIRST_NUMBER + i,
+                tick=tick,
+                state=GateState.REVOKED,
+                cause=GateCause.FORCE_ABOVE_LIMIT,
+                permit_age_ns=3_600_000,
+                command_age_ns=3_600_000,
+                measured=431.9,
+                limit=420.0,
             )
             yield received("plant/gate", event, events, arrival_ns=i * PERIOD_NS + 200_000)
             events += 1
@@ -94,20 +113,20 @@ def _sample(i: int, tick: int, trip_tick: int) -> Iterator[Received]:
     late = 3 if i % 400 == 399 else 0
     age = 1_900_000 + int(500_000 * abs(math.sin(i))) + 2_500_000 * (late > 0)
     sample = Sample(
-        number,
-        i * PERIOD_NS,
-        tick,
-        tick * PERIOD_NS if tick != NO_TRIAL else 0,
-        counts,
-        int((force + noise) / N_PER_FORCE_COUNT),
-        dac,
-        gate,
-        cause,
-        max(0, tick),
-        (0, 0, 0),
-        number - 1,
-        late,
-        age,
+        number=number,
+        time_ns=i * PERIOD_NS,
+        tick=tick,
+        trial_time_ns=tick * PERIOD_NS if tick != NO_TRIAL else 0,
+        encoder_counts=counts,
+        force_counts=int((force + noise) / N_PER_FORCE_COUNT),
+        dac_counts=dac,
+        gate=gate,
+        gate_cause=cause,
+        gate_open_samples=max(0, tick),
+        recover_signs=(0, 0, 0),
+        command_number=number - 1,
+        command_late_substeps=late,
+        command_age_ns=age,
     )
     yield received("plant/sample", sample, i, arrival_ns=arrival)
     tip = ((q[2] + 0.788) * math.cos(q[0]), (q[2] + 0.788) * math.sin(q[0]), z)
@@ -115,48 +134,60 @@ def _sample(i: int, tick: int, trip_tick: int) -> Iterator[Received]:
     pressure_a, pressure_b = tuple(3.5e6 + 8e6 * c for c in current), tuple(3.5e6 - 8e6 * c for c in current)
     yield received(
         "plant/ground_truth",
-        GroundTruth(number, tick, q, qd, pressure_a, pressure_b, current, stuck, tip, force, 0.0),
+        GroundTruth(
+            number=number,
+            tick=tick,
+            q=q,
+            qd=qd,
+            pressure_a_pa=pressure_a,
+            pressure_b_pa=pressure_b,
+            spool_a=current,
+            sticking=stuck,
+            tip_m=tip,
+            contact_force_n=force,
+            environment_m=0.0,
+        ),
         i,
         arrival_ns=arrival,
     )
     mode = Mode.TRIPPED if tripped else Mode.RUNNING if running else Mode.ARMED if tick != NO_TRIAL else Mode.DISARMED
     trip = (TripCause.FORCE_TARED, 341.2, 334.0, number) if tripped else (TripCause.NONE, 0.0, 0.0, -1)
     permit = Permit(
-        mode,
-        trip[0],
-        trip[1],
-        trip[2],
-        trip[3],
-        FIRST_NUMBER + 30 if tick != NO_TRIAL else -1,
-        3000,
-        TARE_TICKS,
-        (0, 0, 0),
-        334.0,
-        4.2,
+        mode=mode,
+        cause=trip[0],
+        measured=trip[1],
+        limit=trip[2],
+        trip_number=trip[3],
+        first_sample=FIRST_NUMBER + 30 if tick != NO_TRIAL else -1,
+        duration_ticks=3000,
+        tare_ticks=TARE_TICKS,
+        recover_signs=(0, 0, 0),
+        force_limit_n=334.0,
+        force_bias_n=4.2,
     )
     yield received("supervisor/permit", permit, i, number, arrival + 700_000, epoch=5)
     yield received("controller/command", Command(dac), i, number, arrival + age - 400_000, epoch=6)
     q_set = (q[0] + 0.0004 * math.sin(5 * t), q[1] + 0.001 * math.sin(3 * t), q[2] + 0.002 * math.sin(2 * t))
     state = ControllerState(
-        number,
-        tick,
-        q,
-        q_set,
-        tuple(v + 0.004 * math.sin(40 * t) for v in qd),
-        qd,
-        tip,
-        (tip[0], tip[1], z_set),
-        (tip[0], tip[1], z_nominal),
-        force + noise,
-        force + 0.3 * noise,
-        force_set,
-        4.2,
-        current,
-        tuple(0.6 * c for c in current),
-        tuple(int(abs(c) > 0.1) for c in current),
-        int(abs(current[2]) > 0.135),
-        1,
-        310_000 + int(60_000 * abs(math.sin(3.0 * i))),
+        number=number,
+        tick=tick,
+        q=q,
+        q_set=q_set,
+        qd=tuple(v + 0.004 * math.sin(40 * t) for v in qd),
+        qd_set=qd,
+        x_m=tip,
+        x_set_m=(tip[0], tip[1], z_set),
+        x_nominal_m=(tip[0], tip[1], z_nominal),
+        force_n=force + noise,
+        force_mean_n=force + 0.3 * noise,
+        force_set_n=force_set,
+        force_bias_n=4.2,
+        current_a=current,
+        integral_a=tuple(0.6 * c for c in current),
+        boosted=tuple(int(abs(c) > 0.1) for c in current),
+        clamped=int(abs(current[2]) > 0.135),
+        ready=1,
+        compute_ns=310_000 + int(60_000 * abs(math.sin(3.0 * i))),
     )
     yield received("controller/state", state, i, number, arrival + 900_000, epoch=6)
 

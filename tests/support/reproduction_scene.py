@@ -31,4 +31,14 @@ def computed() -> Result:
 
 
 def report(*results: Result) -> Report:
-    return Report(results, "local", SEEDS, "0123456789abcdef", "2026-01-01", 12.0, "a machine", "hydrohil reproduce", 400.0)
+    return Report(
+        results=results,
+        clock="local",
+        seeds=SEEDS,
+        source_version="0123456789abcdef",
+        made="2026-01-01",
+        duration_s=12.0,
+        machine="a machine",
+        command="hydrohil reproduce",
+        times_real_time=400.0,
+    )

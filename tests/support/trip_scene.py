@@ -14,7 +14,23 @@ from tests.support.recorder_trial import FIRST_NUMBER, PERIOD_NS, TARE_TICKS, re
 TRIP_TICK = 300
 TRIP_NUMBER = FIRST_NUMBER + 30 + TARE_TICKS + TRIP_TICK
 ORIGIN = Origin("2026-11-22T23:40:00Z", "bench", "the recorder's", 7, "abcd")
-COUNTS = InboxCounts("controller/command", 900, 2, 0, 1, 0, 0, 0, 1, 0, 0, 0, 0, 0, 0)
+COUNTS = InboxCounts(
+    topic="controller/command",
+    accepted=900,
+    lost=2,
+    other_run=0,
+    link_faults=1,
+    epoch_conflicts=0,
+    oversized=0,
+    malformed=0,
+    crc=1,
+    version=0,
+    schema=0,
+    cell=0,
+    sender=0,
+    epoch=0,
+    sequence=0,
+)
 GATE, SUPERVISOR = "gate", "supervisor"
 
 

@@ -18,12 +18,36 @@ ZERO = (2048, 2048, 2048)
 
 def header(key, seq=0, **changes):
     topic = BY_KEY[key]
-    made = Header(WIRE_VERSION, topic.schema, CELL, 0, b"", topic.publisher, EPOCHS[topic.publisher], 77, seq, 0, 0)
+    made = Header(
+        version=WIRE_VERSION,
+        schema=topic.schema,
+        cell=CELL,
+        run=0,
+        experiment=b"",
+        sender=topic.publisher,
+        epoch=EPOCHS[topic.publisher],
+        arming_id=77,
+        seq=seq,
+        echo_number=0,
+        echo_time_ns=0,
+    )
     return made._replace(**changes)
 
 
 def permit_body(mode=Mode.RUNNING, **changes):
-    return Permit(int(mode), 0, 0.0, 0.0, -1, 0, 100, 8, (0, 0, 0), 334.0, 0.0)._replace(**changes)
+    return Permit(
+        mode=int(mode),
+        cause=0,
+        measured=0.0,
+        limit=0.0,
+        trip_number=-1,
+        first_sample=0,
+        duration_ticks=100,
+        tare_ticks=8,
+        recover_signs=(0, 0, 0),
+        force_limit_n=334.0,
+        force_bias_n=0.0,
+    )._replace(**changes)
 
 
 def command_body(codes=ZERO):
@@ -32,12 +56,26 @@ def command_body(codes=ZERO):
 
 def state_body(number=0, **changes):
     links = (0.0, 0.0, 0.0)
-    made = ControllerState(number, 0, *[links] * 7, 0.0, 0.0, 0.0, 0.0, links, links, (0, 0, 0), 0, 1, 0)
-    return made._replace(**changes)
+    vectors = dict.fromkeys(("q", "q_set", "qd", "qd_set", "x_m", "x_set_m", "x_nominal_m", "current_a", "integral_a"), links)
+    forces = dict.fromkeys(("force_n", "force_mean_n", "force_set_n", "force_bias_n"), 0.0)
+    counts = {"boosted": (0, 0, 0), "clamped": 0, "ready": 1, "compute_ns": 0}
+    return ControllerState(**{"number": number, "tick": 0} | vectors | forces | counts | changes)
 
 
 def ask_header(seq=0, epoch=5):
-    return Header(WIRE_VERSION, ASK.schema, CELL, 0, b"", "operator", epoch, 0, seq, -1, 0)
+    return Header(
+        version=WIRE_VERSION,
+        schema=ASK.schema,
+        cell=CELL,
+        run=0,
+        experiment=b"",
+        sender="operator",
+        epoch=epoch,
+        arming_id=0,
+        seq=seq,
+        echo_number=-1,
+        echo_time_ns=0,
+    )
 
 
 class Query:

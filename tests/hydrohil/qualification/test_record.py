@@ -33,7 +33,17 @@ def kept(*trials, host=HERE):
 def test_what_is_kept_is_what_arming_reads():
     found = kept(trial(period_ns=2_000_000, ended="tripped"), trial(unanswered=2.0))
     assert found == standing(fifo=True).qualified
-    assert found == Qualified(PERIOD_NS, "B", "2026-11-28 02:00:00+00:00", PERIOD_NS, 4000, 0.0005, 300.0, 400.0, 20.0)
+    assert found == Qualified(
+        qualified_period_ns=PERIOD_NS,
+        grade="B",
+        measured_at="2026-11-28 02:00:00+00:00",
+        period_ns=PERIOD_NS,
+        samples=4000,
+        late_share=0.0005,
+        accepted_p999_us=300.0,
+        wake_up_max_us=400.0,
+        lease_ms=20.0,
+    )
 
 
 def test_where_no_rate_is_qualified_the_lowest_tried_is_quoted():
