@@ -124,4 +124,6 @@ def responses(b: Blocks, angular_rad_per_s: Reals) -> Responses:
     x, f = r_x * a * c / (1.0 + loop), r_f * a * c / (1.0 + loop)
     valve_loop = c * a * (r_x * felt + m_f * r_f * h) / (1.0 + r_x * a * q)
     gain = b.force_gain
-    return Responses(loop, valve_loop, x * m_x, x * m_f * gain, f * m_x, f * m_f * gain)
+    return Responses(
+        loop=loop, valve_loop=valve_loop, x_per_x_d=x * m_x, x_per_f_d=x * m_f * gain, f_per_x_d=f * m_x, f_per_f_d=f * m_f * gain
+    )

@@ -123,7 +123,13 @@ def margins(loop: Complexes, angular_rad_per_s: Reals = GRID) -> Margins:
     phases_deg = [(cmath.phase(-value) / RAD_PER_DEG, at) for value, at in even]
     gain, gain_at = min(gains, key=lambda pair: abs(math.log(pair[0])), default=(math.inf, math.nan))
     phase_deg, phase_at = min(phases_deg, key=lambda pair: abs(pair[0]), default=(math.inf, math.nan))
-    return Margins(gain, phase_deg, float(np.min(np.abs(1.0 + loop))), gain_at, phase_at)
+    return Margins(
+        gain=gain,
+        phase_deg=phase_deg,
+        modulus=float(np.min(np.abs(1.0 + loop))),
+        gain_rad_per_s=gain_at,
+        phase_rad_per_s=phase_at,
+    )
 
 
 def crossings(loop: Complexes, angular_rad_per_s: Reals, signed: Reals) -> list[tuple[complex, float]]:

@@ -147,7 +147,14 @@ def target(config: ControllerConfig) -> Target:
     k = params.stiffness_n_per_m
     m = k / (params.natural_frequency_rad_per_s * params.natural_frequency_rad_per_s)
     c = 2.0 * params.damping_ratio * params.natural_frequency_rad_per_s * m
-    return Target(m, c, k, params.force_gain, impedance.formulation == "measured", cutoff)
+    return Target(
+        mass_kg=m,
+        damping_ns_per_m=c,
+        stiffness_n_per_m=k,
+        force_gain=params.force_gain,
+        feels_measured=impedance.formulation == "measured",
+        filter_rad_per_s=cutoff,
+    )
 
 
 def position(gains: LinkGains, law: str, plant: PlantConfig, link: LinkParams, lever_m: float) -> Position:
@@ -172,7 +179,7 @@ def linear_model(experiment: Experiment, point: OperatingPoint = SLOW_MOTION) ->
     link = (machine.rotate, machine.down_up, machine.out_in)[index]
     lever_m = 1.0 if index == OUT_IN else posture(machine, plant.initial_q).reach_m
     return LinearModel(
-        actuator(machine, link, plant.initial_q[index], lever_m, point),
+        actuator(machine=machine, link=link, q=plant.initial_q[index], lever_m=lever_m, point=point),
         arm(plant, index, lever_m),
         target(experiment.controller),
         position(experiment.controller.gains[index], experiment.controller.law, plant, link, lever_m),

@@ -7,7 +7,7 @@ from hydrohil.experiment.experiment import Experiment, to_plain
 from hydrohil.experiment.sections import Segment
 
 SECTIONS = ("plant", "controller", "supervisor")
-_DEFAULT = Experiment("default", "default", "", "", 1.0)
+_DEFAULT = Experiment(name="default", alias="default", title="", source="", duration_s=1.0)
 
 
 def differences(experiment: Experiment) -> tuple[str, ...]:

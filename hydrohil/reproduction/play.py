@@ -60,9 +60,9 @@ def judge_figure(figure: Figure, played: Mapping[str, Played]) -> Found:
     gap = "; ".join(f"{name}: {trial.gap}" for name, trial in trials if trial.gap)
     traces = {name: trial.trace for name, trial in trials if trial.counts and trial.trace is not None}
     if not isinstance(figure.subject, Study):
-        return Found(figure.name, _of_trial(figure, figure.subject, traces), (), tripped, gap)
+        return Found(figure=figure.name, verdicts=_of_trial(figure, figure.subject, traces), panels=(), tripped=tripped, gap=gap)
     if len(traces) < len(trials):
-        return Found(figure.name, (verdict(UNPLAYED, math.nan),), (), tripped, gap)
+        return Found(figure=figure.name, verdicts=(verdict(UNPLAYED, math.nan),), panels=(), tripped=tripped, gap=gap)
     studied = figure.subject.run([traces[name] for name in figure.trials])
     return Found(figure.name, studied.verdicts, studied.panels)
 

@@ -94,7 +94,13 @@ def result(figure: Figure, found: Sequence[tuple[int, Found]], drawings: tuple[D
             by_statement.setdefault(verdict.claim.statement, []).append(verdict)
     tripped = tuple(f"seed {seed}: {shown.tripped}" for seed, shown in found if shown.tripped)
     gaps = tuple(f"seed {seed}: {shown.gap}" for seed, shown in found if shown.gap)
-    return Result(figure, tuple(tally(verdicts) for verdicts in by_statement.values()), drawings, tripped, gaps)
+    return Result(
+        figure=figure,
+        tallies=tuple(tally(verdicts) for verdicts in by_statement.values()),
+        drawings=drawings,
+        tripped=tripped,
+        gaps=gaps,
+    )
 
 
 def counts(results: Iterable[Result]) -> tuple[Count, ...]:

@@ -45,26 +45,26 @@ def force_n(stiffness_n_per_m: float) -> float:
     return stiffness_n_per_m * K_EFF_N_PER_M / (stiffness_n_per_m + K_EFF_N_PER_M) * DEPTH_M
 
 
-WANTED_N = force_n(SOFT_TARGET_N_PER_M)
-EXCESS = force_n(STIFF_TARGET_N_PER_M) / WANTED_N  # what the stiff target makes of the same trajectory, 3.6
+SOFT_TARGET_N = force_n(SOFT_TARGET_N_PER_M)
+EXCESS = force_n(STIFF_TARGET_N_PER_M) / SOFT_TARGET_N  # what the stiff target makes of the same trajectory, 3.6
 
 _CYCLES = at_least("The link cycles", Measure("cycles", "q2", "counts", HALF_S, END_S), 2.0, _HELD)
 _RESTS = _CYCLES._replace(statement="There is no limit cycle", comparison="below", low=0.0, source=_STABLE)
 _APPEARS = between(
     "The steady force is that of the soft target, to a tenth",
     Measure("mean", "force", "N", HALF_S, END_S),
-    (1.0 - TENTH) * WANTED_N,
-    (1.0 + TENTH) * WANTED_N,
+    (1.0 - TENTH) * SOFT_TARGET_N,
+    (1.0 + TENTH) * SOFT_TARGET_N,
     _MASK,
 )
 
 
-def push(name: str, alias: str, words: str, impedance: ImpedanceConfig, claims: tuple[Claim, ...]) -> Experiment:
+def push(name: str, alias: str, target: str, impedance: ImpedanceConfig, claims: tuple[Claim, ...]) -> Experiment:
     """The same push into the soft plate, by one target or the other."""
     return Experiment(
         name=name,
         alias=alias,
-        title=f"Prolonged push into the soft plate, {words}",
+        title=f"Prolonged push into the soft plate, {target}",
         source="thesis section 9.3.2; the trial is this rig's",
         duration_s=END_S,
         plant=plate(SOFT_N_PER_M, PRELOAD_N),
@@ -86,12 +86,22 @@ _SETPOINT_SCALING = _STIFF._replace(apparent_stiffness_n_per_m=SOFT_TARGET_N_PER
 _GUESSED = _SETPOINT_SCALING._replace(environment_n_per_m=STIFF_ESTIMATE_N_PER_M)
 
 EXPERIMENTS = (
-    push("push-soft", "soft-target", "soft target", _SOFT, (_CYCLES, _APPEARS)),
+    push("push-soft", alias="soft-target", target="soft target", impedance=_SOFT, claims=(_CYCLES, _APPEARS)),
     push(
-        "push-apparent", "stiff-target-soft-appearance", "stiff target that appears soft", _SETPOINT_SCALING, (_RESTS, _APPEARS)
+        "push-apparent",
+        alias="stiff-target-soft-appearance",
+        target="stiff target that appears soft",
+        impedance=_SETPOINT_SCALING,
+        claims=(_RESTS, _APPEARS),
     ),
-    push("push-stiff", "stiff-target", "stiff target", _STIFF, (_RESTS,)),
-    push("push-apparent-rough", "stiff-target-rough-estimate", "the same by the stiff plate's k_eff", _GUESSED, (_RESTS,)),
+    push("push-stiff", alias="stiff-target", target="stiff target", impedance=_STIFF, claims=(_RESTS,)),
+    push(
+        "push-apparent-rough",
+        alias="stiff-target-rough-estimate",
+        target="the same by the stiff plate's k_eff",
+        impedance=_GUESSED,
+        claims=(_RESTS,),
+    ),
 )
 
 _OVER_SOFT = PairClaim(

@@ -10,12 +10,17 @@ HALF = 0.5  # "clearly visible", "greatly": at least half
 def about(words: str, unit: Unit, number: float, share: float, measured: float, source: str) -> Verdict:
     """`measured` within `share` of a stated number."""
     reach = abs(number) * share
-    return verdict(Statement(words, "within", unit, number - reach, number + reach, source), measured)
+    return verdict(
+        Statement(words, comparison="within", unit=unit, low=number - reach, high=number + reach, source=source), measured
+    )
 
 
 def printed(words: str, unit: Unit, number: float, digit: float, measured: float, source: str) -> Verdict:
     """`measured` rounds to the printed number, whose last digit is worth `digit`."""
-    return verdict(Statement(words, "within", unit, number - digit / 2.0, number + digit / 2.0, source), measured)
+    return verdict(
+        Statement(words, comparison="within", unit=unit, low=number - digit / 2.0, high=number + digit / 2.0, source=source),
+        measured,
+    )
 
 
 def above(words: str, unit: Unit, low: float, measured: float, source: str) -> Verdict:

@@ -1,4 +1,4 @@
-"""What a stuck link gives a controller to see: Figures 4-14 and 4-15 of the thesis, section 4.5.3."""
+"""The signals by which a controller recognises a stuck link: Figures 4-14 and 4-15 of the thesis, section 4.5.3."""
 
 from collections.abc import Sequence
 

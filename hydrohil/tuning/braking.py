@@ -32,13 +32,13 @@ def judge(bench: Bench, gains: LinkGains, value: float) -> Braked:
     ramp, sine = pattern("large-ramp", link, gains), pattern("sine", link, gains)
     ramped, waved = play(bench, "final", tried, ramp), play(bench, "final", tried, sine)
     if ramped is None or waved is None:
-        return Braked(value, math.inf, math.inf, math.inf, math.inf)
+        return Braked(ka_a_s_per_q=value, ramp_q=math.inf, sine_q=math.inf, overshoot_q=math.inf, swing=math.inf)
     return Braked(
-        value,
-        float(np.median([measure.rms_error_q(trace, link) for trace in ramped])),
-        float(np.median([measure.rms_error_q(trace, link) for trace in waved])),
-        float(np.median([measure.overshoot_q(trace, link, ramp) for trace in ramped])),
-        float(np.median([measure.large_swings(trace, link) for trace in waved])),
+        ka_a_s_per_q=value,
+        ramp_q=float(np.median([measure.rms_error_q(trace, link) for trace in ramped])),
+        sine_q=float(np.median([measure.rms_error_q(trace, link) for trace in waved])),
+        overshoot_q=float(np.median([measure.overshoot_q(trace, link, ramp) for trace in ramped])),
+        swing=float(np.median([measure.large_swings(trace, link) for trace in waved])),
     )
 
 

@@ -46,7 +46,7 @@ def compare(tuning: LinkTuning, name: str, given: LinkGains, criteria: Criteria)
 
     def row(gain: str, unit_: str, field: str, factor: float, why: Callable[[float], str]) -> Compared:
         of_given = getattr(given, field) / factor
-        return Compared(gain, unit_, getattr(tuned, field) / factor, of_given, why(of_given))
+        return Compared(gain=gain, unit=unit_, tuned=getattr(tuned, field) / factor, reference=of_given, why=why(of_given))
 
     return (
         row("K_P", f"mA/{u}", "kp_a_per_q", printed, lambda was: why_proportional(by_number[1], was, name, criteria)),
@@ -101,7 +101,7 @@ def why_alpha(step: Step, was: float, name: str) -> str:
 
 
 def above_least(ratio: float) -> str:
-    """An error beside the least one, in words."""
+    """An error relative to the least one, as a phrase."""
     return f"{'no sharp optimum: ' if ratio <= FLAT else ''}the error is {ratio - 1.0:.0%} above the least"
 
 
@@ -110,7 +110,7 @@ def why_threshold(step: Step, direction: int) -> str:
     *slow, fast = [row for row in step.rows if row[2] == f"{direction:+d}"]
     currents = [float(row[3]) for row in slow]
     return (
-        f"{min(currents):.1f} to {max(currents):.1f} over the places at {slow[0][1]:g} mA/s, {fast[3]:.1f} at {fast[1]:g}: "
+        f"{min(currents):.1f} to {max(currents):.1f} over the positions at {slow[0][1]:g} mA/s, {fast[3]:.1f} at {fast[1]:g}: "
         "how fast the current rose, the text does not say"
     )
 

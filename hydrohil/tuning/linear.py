@@ -40,11 +40,11 @@ def proportional(bench: Bench, gains: LinkGains) -> Step:
     ceiling = FULL_CURRENT_A / count_size(LINKS[bench.link])  # at which one count commands full current
     found = largest(
         lambda value: judge_proportional(bench, gains, value),
-        first,
-        FACTOR,
-        ceiling,
-        first / WIDEST,
-        bench.criteria.precision,
+        start=first,
+        factor=FACTOR,
+        ceiling=ceiling,
+        floor=first / WIDEST,
+        precision=bench.criteria.precision,
     )
     return proportional_step(bench, gains, found)
 
@@ -96,11 +96,11 @@ def integral(bench: Bench, gains: LinkGains) -> Step:
     first = gains.kp_a_per_q * FIRST_RATE_PER_S
     found = largest(
         lambda value: judge_integral(bench, gains, value),
-        first,
-        FACTOR,
-        first * WIDEST,
-        first / WIDEST,
-        bench.criteria.precision,
+        start=first,
+        factor=FACTOR,
+        ceiling=first * WIDEST,
+        floor=first / WIDEST,
+        precision=bench.criteria.precision,
     )
     return integral_step(bench, gains, found)
 

@@ -45,7 +45,7 @@ def judge_integral(bench: Bench, gains: LinkGains, value: float) -> Tried:
 
 
 def suffers(criteria: Criteria, numbers: tuple[float, ...]) -> str:
-    """Which pattern suffers, in words; "" if none does."""
+    """What a pattern shows that rules the gain out, as a phrase; "" if nothing does."""
     _, early, late, turns, overshoot, swing = numbers
     if not math.isfinite(swing):
         return "a trial trips"
@@ -87,7 +87,12 @@ def tune(bench: Bench, gains: LinkGains) -> Tuned:
     alphas = tuple(share * gains.qd_max_q_per_s * gains.qd_max_q_per_s for share in ALPHAS)
     free = gains._replace(alpha_max_q2_per_s2=alphas[-1])
     found = largest(
-        lambda value: judge_integral(bench, free, value), first, FACTOR, first * WIDEST, first / WIDEST, criteria.precision
+        lambda value: judge_integral(bench, free, value),
+        start=first,
+        factor=FACTOR,
+        ceiling=first * WIDEST,
+        floor=first / WIDEST,
+        precision=criteria.precision,
     )
     best = best_integral(found)
     if best is None:
@@ -99,7 +104,7 @@ def tune(bench: Bench, gains: LinkGains) -> Tuned:
 
 
 def limit(found: Found, best: Tried, criteria: Criteria, printed: float) -> str:
-    """What keeps K_I from being larger, in words."""
+    """What keeps K_I from being larger, as a phrase."""
     failed = next((one for one in found.tried if not one.passed), None)
     if best is not found.largest or failed is None:
         return "the error of the ramp is least there"

@@ -49,10 +49,10 @@ def pattern(name: PatternName, link: int, gains: LinkGains) -> Pattern:
     sizes = {"large-ramp": LARGE_DEG, "large-step": LARGE_DEG}
     return Pattern(
         name,
-        trajectory.start_deg * RAD_PER_DEG * scale,
-        tuple(_scaled(segment, link, scale) for segment in trajectory.reference),
-        trajectory.duration_s,
-        sizes.get(name, SMALL_DEG) * RAD_PER_DEG * scale,
+        start_q=trajectory.start_deg * RAD_PER_DEG * scale,
+        reference=tuple(_scaled(segment, link, scale) for segment in trajectory.reference),
+        duration_s=trajectory.duration_s,
+        size_q=sizes.get(name, SMALL_DEG) * RAD_PER_DEG * scale,
     )
 
 
@@ -65,7 +65,7 @@ def slow_ramp(link: int, start_q: float, speed_q_per_s: float, duration_s: float
     """A set-point that creeps away for the whole trial, so that a proportional law raises its current slowly."""
     size = speed_q_per_s * duration_s
     creep = Segment(LINKS[link], kind="ramp", start_s=0.0, duration_s=duration_s, amount=size)
-    return Pattern("slow ramp", start_q, (creep,), duration_s, size)
+    return Pattern("slow ramp", start_q=start_q, reference=(creep,), duration_s=duration_s, size_q=size)
 
 
 def middle_q(experiment: Experiment, link: int, gains: LinkGains) -> float:

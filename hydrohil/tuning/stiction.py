@@ -1,6 +1,6 @@
 """Step 5 of Appendix C: the valve current that overcomes stiction and deadband, in each direction.
 
-Nobody can command a current. Under P control a slow set-point ramp raises it slowly, u = K_P e, until the link moves.
+The procedure cannot command a current. Under P control a slow set-point ramp raises it slowly, u = K_P e, until the link moves.
 """
 
 import math
