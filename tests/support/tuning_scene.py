@@ -29,11 +29,11 @@ def reference(experiment: Experiment) -> tuple[Trace, np.ndarray]:
     return trace, np.array([reference_deltas(table, t)[LINK] for t in trace.t_s.tolist()])
 
 
-def seen(trace: Trace, wanted: np.ndarray, position: np.ndarray, kp: float) -> Trace:
+def as_trace(trace: Trace, setpoint: np.ndarray, position: np.ndarray, kp: float) -> Trace:
     """What the rig reads of a link under P control: whole counts, and the current that they ask for."""
     counted = np.floor(position / COUNT + 0.5) * COUNT
-    columns = {"q_set": wanted, "q": counted, "current_a": kp * (wanted - counted)}
-    speeds = {"qd_set": np.gradient(wanted, trace.t_s), "qd": np.gradient(counted, trace.t_s)}
+    columns = {"q_set": setpoint, "q": counted, "current_a": kp * (setpoint - counted)}
+    speeds = {"qd_set": np.gradient(setpoint, trace.t_s), "qd": np.gradient(counted, trace.t_s)}
     return trace._replace(**{name: np.outer(values, [0.0, 1.0, 0.0]) for name, values in {**columns, **speeds}.items()})
 
 
@@ -46,12 +46,12 @@ def resonant(speed_q_per_s_a: float, frequency_hz: float, damping: float):
 
     def run(experiment: Experiment, seed: int) -> Trace:
         kp = experiment.controller.gains[LINK].kp_a_per_q
-        trace, wanted = reference(experiment)
+        trace, setpoint = reference(experiment)
         loop = kp * speed_q_per_s_a * w * w
         with np.errstate(over="ignore", invalid="ignore"):
-            _, position, _ = lsim(TransferFunction([loop], [1.0, 2.0 * damping * w, w * w, loop]), wanted, trace.t_s)
+            _, position, _ = lsim(TransferFunction([loop], [1.0, 2.0 * damping * w, w * w, loop]), setpoint, trace.t_s)
         position = np.clip(np.nan_to_num(position), -1.0, 1.0)
-        return seen(trace, wanted, position, kp)
+        return as_trace(trace, setpoint, position, kp)
 
     return run, 2.0 * damping * w / speed_q_per_s_a
 
@@ -61,13 +61,13 @@ def stuck_until(positive_a: float, negative_a: float, jump_counts: int = 3):
 
     def run(experiment: Experiment, seed: int) -> Trace:
         kp = experiment.controller.gains[LINK].kp_a_per_q
-        trace, wanted = reference(experiment)
-        position, here = np.zeros(len(wanted)), 0.0
-        for row, asked in enumerate(wanted.tolist()):
-            current = kp * (asked - here)
+        trace, setpoint = reference(experiment)
+        position, here = np.zeros(len(setpoint)), 0.0
+        for row, set_to in enumerate(setpoint.tolist()):
+            current = kp * (set_to - here)
             if not -negative_a <= current <= positive_a:
                 here += jump_counts * COUNT * np.sign(current)
             position[row] = here
-        return seen(trace, wanted, position, kp)
+        return as_trace(trace, setpoint, position, kp)
 
     return run

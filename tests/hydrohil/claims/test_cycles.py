@@ -85,8 +85,8 @@ def test_a_set_point_that_flees_the_link_yields_and_one_that_draws_it_does_not()
     centred = trace.q[:, 1] - np.mean(trace.q[:, 1])
     rate = np.sign(centred) * 4.5e-3
     for sign, share in ((-1.0, 1.0), (1.0, 0.0)):
-        seen = trace._replace(q_set=link(sign * np.concatenate(([0.0], np.cumsum(rate[:-1]))), 2))
-        assert cycles.yielding_share(seen, "q2") == pytest.approx(share)
+        driven = trace._replace(q_set=link(sign * np.concatenate(([0.0], np.cumsum(rate[:-1]))), 2))
+        assert cycles.yielding_share(driven, "q2") == pytest.approx(share)
     assert cycles.yielding_share(trace, "q2") == 0.0
-    rests = seen._replace(q=np.full_like(seen.q, 0.1))
+    rests = driven._replace(q=np.full_like(driven.q, 0.1))
     assert cycles.yielding_share(rests, "q2") == 0.0

@@ -23,9 +23,9 @@ def sine(duration_s, amplitude=1.0, hz=1.0, share=1.0, lag_rad=0.0):
     )
 
 
-def force(values, wanted=0.0):
+def force(values, setpoint=0.0):
     trace = standing((len(values) - 1) * 4.5e-3)
-    return trace._replace(force_n=np.asarray(values, dtype=float), force_set_n=np.zeros(len(values)) + wanted)
+    return trace._replace(force_n=np.asarray(values, dtype=float), force_set_n=np.zeros(len(values)) + setpoint)
 
 
 def test_the_table_holds_every_metric_that_a_claim_can_name():
@@ -70,9 +70,9 @@ def test_steady_errors_are_relative_to_set_point_and_to_count_width():
 @pytest.mark.parametrize("direction", [1.0, -1.0])
 def test_overshoot_counts_in_the_direction_of_the_move(direction):
     trace = standing(2.0)
-    wanted = np.where(trace.t_s < 1.0, 0.0, 1.0)
-    seen = wanted * (1.0 + 0.25 * np.exp(-np.maximum(trace.t_s - 1.0, 0.0)))
-    trace = trace._replace(q_set=link(direction * wanted, 2), q=link(direction * seen, 2))
+    setpoint = np.where(trace.t_s < 1.0, 0.0, 1.0)
+    response = setpoint * (1.0 + 0.25 * np.exp(-np.maximum(trace.t_s - 1.0, 0.0)))
+    trace = trace._replace(q_set=link(direction * setpoint, 2), q=link(direction * response, 2))
     assert metrics.overshoot(trace, "q2") == pytest.approx(0.25, rel=1e-2)
     short = trace._replace(q=trace.q * 0.7)
     assert metrics.overshoot(short, "q2") == pytest.approx(1.25 * 0.7 - 1.0, rel=1e-1)
@@ -105,10 +105,10 @@ def test_a_link_that_never_moves_is_late_until_the_end():
 
 def test_one_count_is_no_motion_and_two_are():
     trace = standing(1.0)
-    wanted = link(trace.t_s, 2)
+    setpoint = link(trace.t_s, 2)
     for counts, moved in ((1.0, False), (2.0, True)):
-        seen = trace._replace(q_set=wanted, q=link(np.where(trace.t_s > 0.5, counts * COUNT, 0.0), 2))
-        assert (metrics.first_delay_s(seen, "q2") < 0.6) is moved
+        response = trace._replace(q_set=setpoint, q=link(np.where(trace.t_s > 0.5, counts * COUNT, 0.0), 2))
+        assert (metrics.first_delay_s(response, "q2") < 0.6) is moved
 
 
 def test_error_signals_of_a_stuck_link_are_those_of_the_ramp():
@@ -220,10 +220,10 @@ def test_a_scalloped_control_is_weaker_while_the_set_point_brakes(braking_share)
 
 
 def test_the_upward_error_is_judged_above_two_hundred_newtons_only():
-    wanted = 150.0 + 100.0 * np.sin(2.0 * np.pi * np.arange(4001) / 2000.0)
-    falling = np.gradient(wanted) < 0.0
-    wrong = np.where(wanted > 200.0, np.where(falling, 30.0, 15.0), np.where(falling, 1.0, 99.0))
-    assert metrics.upward_error_ratio(force(wanted - wrong, wanted), "force") == pytest.approx(2.0, rel=1e-2)
+    setpoint = 150.0 + 100.0 * np.sin(2.0 * np.pi * np.arange(4001) / 2000.0)
+    falling = np.gradient(setpoint) < 0.0
+    wrong = np.where(setpoint > 200.0, np.where(falling, 30.0, 15.0), np.where(falling, 1.0, 99.0))
+    assert metrics.upward_error_ratio(force(setpoint - wrong, setpoint), "force") == pytest.approx(2.0, rel=1e-2)
     assert math.isnan(metrics.upward_error_ratio(force(np.full(100, 100.0), 100.0), "force"))
 
 

@@ -35,9 +35,14 @@ def changed(name, **impedance):
 def test_state_space_and_the_formulae_of_the_thesis_are_one_system(name, spool_a, impedance):
     model = linear_model(changed(name, **impedance), OperatingPoint(spool_a))
     angular = np.array([0.01, 0.3, 2.0, 9.0, 40.0, 200.0])
-    seen, states = responses(blocks(model), angular), closed_loop(model)(1j * angular)
-    for row, column, want in ((0, 0, seen.x_per_x_d), (0, 1, seen.x_per_f_d), (1, 0, seen.f_per_x_d), (1, 1, seen.f_per_f_d)):
-        assert states[row, column] == pytest.approx(want, rel=1e-8, abs=1e-14)
+    response, states = responses(blocks(model), angular), closed_loop(model)(1j * angular)
+    for row, column, expected in (
+        (0, 0, response.x_per_x_d),
+        (0, 1, response.x_per_f_d),
+        (1, 0, response.f_per_x_d),
+        (1, 1, response.f_per_f_d),
+    ):
+        assert states[row, column] == pytest.approx(expected, rel=1e-8, abs=1e-14)
 
 
 def test_contact_is_the_fourth_order_of_the_thesis_and_free_motion_the_second():
@@ -96,9 +101,9 @@ def test_at_rest_springs_share_the_load():
 
 
 def test_at_rest_neither_filter_nor_formulation_changes_the_share():
-    want = steady(linear_model(find("fig-5-5"), FAST)).f_per_f_d
+    expected = steady(linear_model(find("fig-5-5"), FAST)).f_per_f_d
     for impedance in ({"formulation": "measured"}, {"force_filter": "butterworth"}, {"force_filter": "bounded"}):
-        assert steady(linear_model(changed("fig-5-5", **impedance), FAST)).f_per_f_d == pytest.approx(want)
+        assert steady(linear_model(changed("fig-5-5", **impedance), FAST)).f_per_f_d == pytest.approx(expected)
 
 
 def test_the_alternate_formulations_model_integrates_twice_where_the_first_ends():
@@ -187,9 +192,9 @@ def test_a_small_sine_of_current_shakes_the_running_link_as_the_linear_actuator_
     s = 1j * angular
     force = a.flow_m3_per_s_a * a.area_m2 / (a.half_compressibility_m3_per_pa * s + a.leak_m3_per_s_pa)
     robot = 1.0 / (inertia * s + LINK.viscous_tau_s_per_q)  # s R_X
-    want = robot * force / (1.0 + robot * force * a.area_m2 / a.flow_m3_per_s_a) / (LINK.valve_lag_s * s + 1.0) * shake_a
+    expected = robot * force / (1.0 + robot * force * a.area_m2 / a.flow_m3_per_s_a) / (LINK.valve_lag_s * s + 1.0) * shake_a
     assert mean == pytest.approx(speed, rel=0.01)
-    assert complex(along, across) == pytest.approx(want, abs=0.02 * abs(want))
+    assert complex(along, across) == pytest.approx(expected, abs=0.02 * abs(expected))
 
 
 @pytest.mark.parametrize(("name", "worst_m"), [("fig-5-2", 0.004), ("fig-5-3", 0.004), ("fig-5-4", 0.004)])
@@ -198,10 +203,10 @@ def test_in_free_space_the_rig_moves_as_the_linear_model_to_a_fiftieth(name, wor
     experiment = find(name)
     trace = rollout(experiment, 0)
     times = np.arange(0.0, experiment.duration_s, 0.002)
-    asked = np.vstack((np.zeros_like(times), np.where(times >= 0.5, 100.0, 0.0)))
-    wanted = control.forced_response(closed_loop(linear_model(experiment, FAST)), times, asked).outputs[0]
+    inputs = np.vstack((np.zeros_like(times), np.where(times >= 0.5, 100.0, 0.0)))
+    modelled = control.forced_response(closed_loop(linear_model(experiment, FAST)), times, inputs).outputs[0]
     moved = trace.x_m[0, 2] - trace.x_m[:, 2]  # down is positive
-    assert np.sqrt(np.mean((moved - np.interp(trace.t_s, times, wanted)) ** 2)) < worst_m
+    assert np.sqrt(np.mean((moved - np.interp(trace.t_s, times, modelled)) ** 2)) < worst_m
 
 
 @pytest.mark.parametrize("name", ["fig-5-5", "fig-5-6"])
@@ -209,9 +214,9 @@ def test_on_the_plate_the_force_follows_the_linear_model_to_a_tenth(name):
     experiment = find(name)
     trace = rollout(experiment, 0)
     times = np.arange(0.0, experiment.duration_s, 0.002)
-    asked = np.vstack((np.zeros_like(times), np.where(times >= 0.5, 100.0, 0.0)))
-    wanted = control.forced_response(closed_loop(linear_model(experiment)), times, asked).outputs[1]
-    off = trace.force_n - np.interp(trace.t_s, times, wanted)
+    inputs = np.vstack((np.zeros_like(times), np.where(times >= 0.5, 100.0, 0.0)))
+    modelled = control.forced_response(closed_loop(linear_model(experiment)), times, inputs).outputs[1]
+    off = trace.force_n - np.interp(trace.t_s, times, modelled)
     assert np.sqrt(np.mean(off * off)) < 10.0  # of 100 N, with 5 N of noise in it
 
 

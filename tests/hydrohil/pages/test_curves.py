@@ -10,18 +10,18 @@ from hydrohil.pages.curves import MOST_POINTS, thinned
 def test_a_thinned_signal_keeps_its_extremes_and_its_ends(seed, count):
     x = np.arange(count, dtype=float)
     y = np.random.default_rng(seed).normal(size=count)
-    seen = thinned(Curve("noise", x, y))
-    assert len(seen.x) <= MOST_POINTS + 2
-    assert (seen.y.min(), seen.y.max(), seen.x[0], seen.x[-1]) == (y.min(), y.max(), x[0], x[-1])
-    assert np.all(np.diff(seen.x) > 0.0)
+    kept = thinned(Curve("noise", x, y))
+    assert len(kept.x) <= MOST_POINTS + 2
+    assert (kept.y.min(), kept.y.max(), kept.x[0], kept.x[-1]) == (y.min(), y.max(), x[0], x[-1])
+    assert np.all(np.diff(kept.x) > 0.0)
 
 
 def test_a_path_keeps_its_extremes_both_ways():
     angle = np.linspace(0.0, 20.0, 40_000)
     x, y = np.cos(angle) * angle, np.sin(angle) * angle
-    seen = thinned(Curve("spiral", x, y))
-    assert len(seen.x) <= MOST_POINTS + 2
-    assert (seen.x.min(), seen.x.max(), seen.y.min(), seen.y.max()) == (x.min(), x.max(), y.min(), y.max())
+    kept = thinned(Curve("spiral", x, y))
+    assert len(kept.x) <= MOST_POINTS + 2
+    assert (kept.x.min(), kept.x.max(), kept.y.min(), kept.y.max()) == (x.min(), x.max(), y.min(), y.max())
 
 
 def test_a_single_spike_between_thousands_of_samples_stays():

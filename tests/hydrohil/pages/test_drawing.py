@@ -28,21 +28,21 @@ def axes(picture):
 
 
 def test_a_trial_of_chapter_4_is_position_error_and_control_of_its_link():
-    (made,) = pictures(find("fig-4-25"), trace())
-    assert axes(made) == ["joint 2, deg", "error, deg", "control 2, mA"]
-    assert labels(made)[0] == [MEASURED, SET_POINT]
-    assert made.panels[2].curves[0].y == pytest.approx(1000.0 * np.sin(T_S))
+    (picture,) = pictures(find("fig-4-25"), trace())
+    assert axes(picture) == ["joint 2, deg", "error, deg", "control 2, mA"]
+    assert labels(picture)[0] == [MEASURED, SET_POINT]
+    assert picture.panels[2].curves[0].y == pytest.approx(1000.0 * np.sin(T_S))
 
 
 def test_a_trial_of_chapter_5_is_force_position_and_control_over_one_axis():
-    (made,) = pictures(find("fig-5-8"), trace())
-    assert axes(made) == ["force, N", "position z, m", "control 2, mA"]
-    assert made.stacked and labels(made) == [[MEASURED, SET_POINT], [MEASURED, SET_POINT, NOMINAL], [CONTROL]]
+    (picture,) = pictures(find("fig-5-8"), trace())
+    assert axes(picture) == ["force, N", "position z, m", "control 2, mA"]
+    assert picture.stacked and labels(picture) == [[MEASURED, SET_POINT], [MEASURED, SET_POINT, NOMINAL], [CONTROL]]
 
 
 def test_at_the_crate_the_position_is_x_and_the_control_that_of_link_3():
-    (made,) = pictures(find("fig-5-13"), trace())
-    assert axes(made)[1:] == ["position x, m", "control 3, mA"]
+    (picture,) = pictures(find("fig-5-13"), trace())
+    assert axes(picture)[1:] == ["position x, m", "control 3, mA"]
 
 
 def test_the_circle_is_a_path_over_the_plate_and_a_history():
@@ -59,8 +59,8 @@ def test_panels_of_a_study_are_stacked_only_over_the_same_axis():
 
 
 def test_a_drawing_is_one_valid_element_with_names_of_its_own_and_the_page_s_ink():
-    (made,) = pictures(find("fig-5-8"), trace())
-    element = svg(made, "fig-5-8-0", 'steps of 5 N, "up" & down')
+    (picture,) = pictures(find("fig-5-8"), trace())
+    element = svg(picture, "fig-5-8-0", 'steps of 5 N, "up" & down')
     parsed = ElementTree.fromstring(element)
     ids = [node.get("id") for node in parsed.iter() if node.get("id")]
     assert parsed.tag == "svg" and ids and all(name.startswith("fig-5-8-0-") for name in ids)

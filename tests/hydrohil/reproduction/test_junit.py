@@ -4,20 +4,20 @@ from hydrohil.reproduction.junit import junit
 from tests.support.reproduction_scene import CLAIM, computed, report, trial
 
 
-def cases(made):
-    return [case for suite in JUnitXml.fromstring(junit(made).encode()) for case in suite]
+def cases(document):
+    return [case for suite in JUnitXml.fromstring(junit(document).encode()) for case in suite]
 
 
 def test_there_is_a_case_a_claim_of_the_class_of_its_figure():
-    made = report(trial(19), computed())
-    assert [(case.classname, case.name) for case in cases(made)] == [("fig-5-9", CLAIM.statement), ("fig-6-4", "a < b & c")]
-    assert all(case.is_passed for case in cases(made))
+    document = report(trial(19), computed())
+    assert [(case.classname, case.name) for case in cases(document)] == [("fig-5-9", CLAIM.statement), ("fig-6-4", "a < b & c")]
+    assert all(case.is_passed for case in cases(document))
 
 
 def test_the_counts_are_those_of_the_report():
-    made = report(trial(18), computed())
-    xml = JUnitXml.fromstring(junit(made).encode())
-    assert (xml.tests, xml.failures, xml.errors) == (made.total.claims, made.total.fail, 0)
+    document = report(trial(18), computed())
+    xml = JUnitXml.fromstring(junit(document).encode())
+    assert (xml.tests, xml.failures, xml.errors) == (document.total.claims, document.total.fail, 0)
 
 
 def test_a_failure_tells_what_was_stated_and_measured_and_the_source():

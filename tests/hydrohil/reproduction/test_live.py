@@ -15,16 +15,16 @@ class Silent:
 
 
 def test_after_a_trip_nothing_is_reset_and_nothing_else_is_played(monkeypatch: pytest.MonkeyPatch):
-    seen = []
+    seeds = []
 
     def tripping(bus: object, experiment: object, seed: int, *_: object, unqualified: bool) -> Live:
-        seen.append(seed)
+        seeds.append(seed)
         return Live(None, "", "force above its limit" if seed == 1 else "", {}, ())
 
     monkeypatch.setattr(reproduce_live, "run_live", tripping)
     chosen = groups((find_figure("fig-4-24"),))
     done = reproduce_live.reproduce_live(Silent(), chosen, 3, "real", lambda name, seed: None)  # type: ignore[arg-type]
-    found = {made.job.seed: made.found[0] for made in done}
-    assert seen == [0, 1]
+    found = {one.job.seed: one.found[0] for one in done}
+    assert seeds == [0, 1]
     assert "force above its limit" in found[1].tripped and found[1].gap == ""
     assert "not played" in found[2].gap and not any(verdict.holds for verdict in found[2].verdicts)

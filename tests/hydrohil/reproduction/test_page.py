@@ -13,8 +13,8 @@ from hydrohil.reproduction.tally import result
 from tests.support.reproduction_scene import CLAIM, SVG, computed, report, trial
 
 
-def text(made):
-    return " ".join("".join(ElementTree.fromstring(page(made)).itertext()).split())
+def text(document):
+    return " ".join("".join(ElementTree.fromstring(page(document)).itertext()).split())
 
 
 def everything():
@@ -41,9 +41,9 @@ class Tags(HTMLParser):
 
 
 def test_every_figure_and_every_claim_is_on_the_page_and_links_lead_somewhere():
-    made = everything()
-    words, tags = text(made), Tags()
-    tags.feed(page(made))
+    document = everything()
+    words, tags = text(document), Tags()
+    tags.feed(page(document))
     assert {name for figure in figures() for name in (figure.name, *figure.also)} <= set(tags.ids)
     assert all(target.removeprefix("#") in tags.ids for target in tags.targets)
     assert len(tags.ids) == len(set(tags.ids))
@@ -54,10 +54,10 @@ def test_every_figure_and_every_claim_is_on_the_page_and_links_lead_somewhere():
 
 
 def test_the_page_loads_nothing_from_elsewhere():
-    made, tags = page(report(trial(20), computed())), Tags()
-    tags.feed(made)
+    document, tags = page(report(trial(20), computed())), Tags()
+    tags.feed(document)
     assert tags.loads == []
-    assert not re.search(r"@import|url\((?!#)", made)
+    assert not re.search(r"@import|url\((?!#)", document)
 
 
 def test_what_was_stated_measured_and_made_of_it_is_shown_with_its_words_escaped():
@@ -82,19 +82,19 @@ def test_a_trip_and_a_gap_are_shown_as_no_verdict():
 
 
 def test_pictures_and_parameters_stand_beside_the_claims():
-    made = page(report(trial(20)))
-    assert made.count(SVG) == 2 and made.count("<figcaption>Motion plot</figcaption>") == 1
-    assert "controller.impedance.stiffness_n_per_m = 1000.0" in made
-    assert "hydrohil show fig-5-9 --toml" in made
-    assert CLAIM.statement in made
+    document = page(report(trial(20)))
+    assert document.count(SVG) == 2 and document.count("<figcaption>Motion plot</figcaption>") == 1
+    assert "controller.impedance.stiffness_n_per_m = 1000.0" in document
+    assert "hydrohil show fig-5-9 --toml" in document
+    assert CLAIM.statement in document
 
 
 def test_a_trial_that_is_set_against_is_no_link_where_it_is_not_on_the_page():
     figure = find_figure("fig-4-2")
     found = Found(figure.name, tuple(verdict(claim, 9.0) for claim in figure.pairs))
-    made, tags = page(report(result(figure, [(0, found)], ()))), Tags()
-    tags.feed(made)
-    assert "against fig-4-21" in made
+    document, tags = page(report(result(figure, [(0, found)], ()))), Tags()
+    tags.feed(document)
+    assert "against fig-4-21" in document
     assert all(target.removeprefix("#") in tags.ids for target in tags.targets)
 
 

@@ -6,8 +6,8 @@ from hydrohil.reproduction.studies import STUDIES
 from hydrohil.thesis.library import catalogue, pairs
 
 
-def names(wanted):
-    return [figure.name for figure in choose(wanted)]
+def names(chosen):
+    return [figure.name for figure in choose(chosen)]
 
 
 def test_every_experiment_and_every_study_is_a_figure_once():
@@ -21,8 +21,8 @@ def test_no_two_figures_share_a_name():
 
 def test_figures_come_in_the_order_of_the_thesis():
     ordered = [figure.name for figure in figures()]
-    wanted = ["fig-4-2", "fig-4-11", "deadband-sine", "fig-4-14", "fig-4-16", "fig-5-14", "fig-6-4", "fig-6-6", "fig-9-8"]
-    assert [name for name in ordered if name in wanted] == wanted
+    chosen = ["fig-4-2", "fig-4-11", "deadband-sine", "fig-4-14", "fig-4-16", "fig-5-14", "fig-6-4", "fig-6-6", "fig-9-8"]
+    assert [name for name in ordered if name in chosen] == chosen
     chapters = [figure.chapter for figure in figures()]
     assert [*dict.fromkeys(chapters)] == [chapter for chapter in CHAPTERS if chapter in chapters]
 
@@ -58,12 +58,12 @@ def test_a_source_without_a_chapter_is_refused():
 
 
 def test_every_claim_finds_its_trials_in_one_group():
-    made = groups(figures())
-    assert sorted(name for group in made for name in group.figures) == sorted(figure.name for figure in figures())
-    played = [trial for group in made for trial in group.trials]
+    all_groups = groups(figures())
+    assert sorted(name for group in all_groups for name in group.figures) == sorted(figure.name for figure in figures())
+    played = [trial for group in all_groups for trial in group.trials]
     assert len(played) == len(set(played))
     for claim in pairs():
-        assert any({claim.of, claim.against} <= set(group.trials) for group in made)
+        assert any({claim.of, claim.against} <= set(group.trials) for group in all_groups)
 
 
 def test_a_pair_brings_the_trial_that_it_is_set_against():

@@ -11,16 +11,16 @@ from tests.support.reproduction_scene import CLAIM, SVG, computed, report, trial
 
 
 def test_a_machine_reads_the_counts_the_failures_and_every_number():
-    told = json.loads(to_json(report(trial(18), computed())))
-    assert (told["claims"], told["hold"], told["exit_status"], told["seeds"]) == (2, 1, 1, 20)
-    assert told["fail"] == [{"figure": "fig-5-9", "statement": CLAIM.statement, "why": None}]
-    claim = told["figures"][0]["claims"][0]
+    document = json.loads(to_json(report(trial(18), computed())))
+    assert (document["claims"], document["hold"], document["exit_status"], document["seeds"]) == (2, 1, 1, 20)
+    assert document["fail"] == [{"figure": "fig-5-9", "statement": CLAIM.statement, "why": None}]
+    claim = document["figures"][0]["claims"][0]
     assert (claim["held"], claim["seeds"], claim["holds"], len(claim["measured"])) == (18, 20, False, 20)
 
 
 def test_a_number_that_is_none_is_null():
-    made = report(trial(1, 1)._replace(tallies=(trial(1, 1).tallies[0]._replace(measured=(math.nan,)),)))
-    claim = json.loads(to_json(made))["figures"][0]["claims"][0]
+    result = report(trial(1, 1)._replace(tallies=(trial(1, 1).tallies[0]._replace(measured=(math.nan,)),)))
+    claim = json.loads(to_json(result))["figures"][0]["claims"][0]
     assert claim["measured"] == [None] and claim["mean"] is None
 
 
@@ -36,9 +36,9 @@ def test_seeds_come_in_their_order_however_they_end():
         )
         for seed in (2, 0, 1)
     ]
-    (made,) = gathered((figure,), done)
-    assert made.tallies[0].measured == (0.0, 1.0, 2.0)
-    assert made.drawings == (Drawing("", SVG),)
+    (result,) = gathered((figure,), done)
+    assert result.tallies[0].measured == (0.0, 1.0, 2.0)
+    assert result.drawings == (Drawing("", SVG),)
 
 
 def test_the_machine_names_its_python():

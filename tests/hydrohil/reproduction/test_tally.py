@@ -21,14 +21,14 @@ def test_of_fewer_than_twenty_seeds_it_must_hold_in_all(seeds):
 
 
 def test_mean_and_spread_are_of_what_is_determined_but_nan_does_not_hold():
-    made = tally([verdict(CLAIM, value) for value in (100.0, 140.0, math.nan)])
-    assert (made.mean, made.spread) == (120.0, 20.0)
-    assert (made.held, made.seeds) == (2, 3)
+    tallied = tally([verdict(CLAIM, value) for value in (100.0, 140.0, math.nan)])
+    assert (tallied.mean, tallied.spread) == (120.0, 20.0)
+    assert (tallied.held, tallied.seeds) == (2, 3)
 
 
 def test_what_no_seed_determines_has_no_mean():
-    made = tally([verdict(CLAIM, math.nan)])
-    assert math.isnan(made.mean) and math.isnan(made.spread) and not made.holds
+    tallied = tally([verdict(CLAIM, math.nan)])
+    assert math.isnan(tallied.mean) and math.isnan(tallied.spread) and not tallied.holds
 
 
 def test_chapters_are_counted_apart_and_together():
@@ -38,11 +38,11 @@ def test_chapters_are_counted_apart_and_together():
 
 
 @pytest.mark.parametrize(
-    ("made", "status"),
+    ("tallied", "status"),
     [(trial(20), 0), (trial(18), 1), (trial(20, gap="tick 3 is missing"), 5), (trial(20, tripped="too much", gap="tick 3"), 3)],
 )
-def test_the_worst_of_it_decides_the_exit_status(made, status):
-    assert exit_status((made, computed())) == status
+def test_the_worst_of_it_decides_the_exit_status(tallied, status):
+    assert exit_status((tallied, computed())) == status
 
 
 def test_a_trip_names_its_seed():

@@ -53,12 +53,12 @@ def test_at_its_tick_a_law_holds_the_code_of_the_tick_before():
 
 
 def test_a_trial_in_pieces_is_the_trial_in_one(unchanged):
-    made, count, table, noise_n, intervals = plain_parts(press(), SEED)
+    prepared, count, table, noise_n, intervals = plain_parts(press(), SEED)
     intervals, out = np.array(intervals), columns(count)
-    underway = begin(made, control_start(made.control), intervals)
+    underway = begin(prepared, control_start(prepared.control), intervals)
     for end in (1, 2, 66, 67, 200, count):
         rest = (table, fault_table(press(), SEED), np.array(noise_n), intervals, out, end)
-        underway = _compiled["play"](made, Underway(*underway), *rest)
+        underway = _compiled["play"](prepared, Underway(*underway), *rest)
         assert underway.row == end
     for piecewise, whole in zip(out, unchanged.rows, strict=True):
         assert piecewise.tobytes() == whole.tobytes()

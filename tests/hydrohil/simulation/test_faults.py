@@ -33,7 +33,7 @@ def named(fault):
     return f"{fault.kind}-{fault.target}"
 
 
-def broken(*faults):
+def with_faults(*faults):
     return press()._replace(faults=faults)
 
 
@@ -44,7 +44,7 @@ def sound():
 
 @pytest.fixture(scope="module")
 def played():
-    return {fault: play_local(broken(fault), SEED) for fault in MACHINE}
+    return {fault: play_local(with_faults(fault), SEED) for fault in MACHINE}
 
 
 @pytest.mark.parametrize("fault", MACHINE, ids=named)
@@ -76,27 +76,27 @@ def test_the_sample_shows_a_sensors_fault_from_its_first_tick_to_its_last_and_on
     acting = (rows.tick >= FIRST) & (rows.tick < END)
     if fault.target in ENCODERS:
         link = ENCODERS.index(fault.target)
-        seen, true, sound_links = rows.encoder_counts[:, link], counts[:, link], [k for k in range(3) if k != link]
+        readings, true, sound_links = rows.encoder_counts[:, link], counts[:, link], [k for k in range(3) if k != link]
         assert (rows.encoder_counts[:, sound_links] == counts[:, sound_links]).all()
         assert (rows.force_counts == force).all()
-        check_encoder(fault, seen, true, acting, rows.tick, MASK[link])
+        check_encoder(fault, readings, true, acting, rows.tick, MASK[link])
     else:
-        seen, true = rows.force_counts, force
+        readings, true = rows.force_counts, force
         assert (rows.encoder_counts[:, :3] == counts).all()
-        check_force(fault, seen, true, acting, rows.tick)
-    assert (seen[~acting] == true[~acting]).all()
+        check_force(fault, readings, true, acting, rows.tick)
+    assert (readings[~acting] == true[~acting]).all()
 
 
-def check_encoder(fault, seen, true, acting, tick, mask):
+def check_encoder(fault, readings, true, acting, tick, mask):
     begun = (tick[acting] - FIRST + 1) * PERIOD_NS * 1e-9
-    off = (seen[acting] - true[acting] + mask // 2) % (mask + 1) - mask // 2
+    off = (readings[acting] - true[acting] + mask // 2) % (mask + 1) - mask // 2
     match fault.kind:
         case "stuck":
-            assert (seen[acting] == seen[~acting][tick[~acting] < FIRST][-1]).all()
+            assert (readings[acting] == readings[~acting][tick[~acting] < FIRST][-1]).all()
         case "garbage":
-            assert set(seen[acting]) <= set(range(mask + 1)) and len(set(seen[acting])) > 0.9 * acting.sum()
+            assert set(readings[acting]) <= set(range(mask + 1)) and len(set(readings[acting])) > 0.9 * acting.sum()
         case "dropout":
-            assert (seen[acting] == 0).all()
+            assert (readings[acting] == 0).all()
         case "offset":
             assert (off == fault.value).all()
         case "drift":
@@ -104,43 +104,43 @@ def check_encoder(fault, seen, true, acting, tick, mask):
         case "noise":
             assert abs(off).max() <= fault.value and len(set(off)) > 0.5 * acting.sum()
         case "wrap":
-            assert (abs(seen[acting] - true[acting]) == (mask + 1) // 2).all()
+            assert (abs(readings[acting] - true[acting]) == (mask + 1) // 2).all()
         case _:
             raise AssertionError(fault.kind)
 
 
-def check_force(fault, seen, true, acting, tick):
+def check_force(fault, readings, true, acting, tick):
     begun = (tick[acting] - FIRST + 1) * PERIOD_NS * 1e-9
-    off_n = (seen[acting] - true[acting]) * N_PER_FORCE_COUNT
+    off_n = (readings[acting] - true[acting]) * N_PER_FORCE_COUNT
     near_n = 1.01 * N_PER_FORCE_COUNT  # each of both is floored
     match fault.kind:
         case "stuck":
-            assert (seen[acting] == seen[~acting][tick[~acting] < FIRST][-1]).all()
+            assert (readings[acting] == readings[~acting][tick[~acting] < FIRST][-1]).all()
         case "garbage":
-            assert (seen[acting] != true[acting]).all()
+            assert (readings[acting] != true[acting]).all()
         case "dropout":
-            assert (seen[acting] == MIN_FORCE_COUNTS).all()
+            assert (readings[acting] == MIN_FORCE_COUNTS).all()
         case "offset":
             assert abs(off_n - fault.value).max() <= near_n
         case "drift":
             assert abs(off_n - fault.value * begun).max() <= near_n
         case "gain":
-            assert abs(seen[acting] - fault.value * true[acting]).max() <= 1.0 + fault.value
+            assert abs(readings[acting] - fault.value * true[acting]).max() <= 1.0 + fault.value
         case "noise":
-            assert seen[acting].std() > 5.0 * seen[~acting].std()
+            assert readings[acting].std() > 5.0 * readings[~acting].std()
         case _:
             raise AssertionError(fault.kind)
 
 
 def test_a_force_noise_of_zero_leaves_a_reading_without_noise():
-    rows = play_local(broken(Fault("noise", "force", -0.2, 0.1)), SEED).rows
+    rows = play_local(with_faults(Fault("noise", "force", -0.2, 0.1)), SEED).rows
     acting = (rows.tick >= -44) & (rows.tick < -22)
     assert len(set(rows.force_counts[acting])) == 1
     assert len(set(rows.force_counts[~acting & (rows.tick < 0)])) > 5
 
 
 def test_a_fault_without_an_end_stays_to_the_trials_end():
-    rows = play_local(broken(Fault("offset", "encoder_rotate", AT_S, 0.0, 3.0)), SEED).rows
+    rows = play_local(with_faults(Fault("offset", "encoder_rotate", AT_S, 0.0, 3.0)), SEED).rows
     off = rows.encoder_counts[:, 0] - [encoder_counts(tuple(map(float, q)), UNIMATE.q4_rad)[0] for q in rows.true_q]
     assert (off == np.where(rows.tick >= FIRST, 3, 0)).all()
     assert rows.tick[-1] == 443
@@ -148,7 +148,7 @@ def test_a_fault_without_an_end_stays_to_the_trials_end():
 
 def test_garbage_is_a_function_of_the_seed():
     fault = Fault("garbage", "force", -0.1, 0.05)
-    first, again, other = (play_local(broken(fault), seed).rows.force_counts for seed in (3, 3, 4))
+    first, again, other = (play_local(with_faults(fault), seed).rows.force_counts for seed in (3, 3, 4))
     assert first.tobytes() == again.tobytes()
     acting = slice(play_local(press(0.1), 3).rows.tick.tolist().index(-22), None)
     assert (first[acting][:5] != other[acting][:5]).all()
@@ -157,7 +157,7 @@ def test_garbage_is_a_function_of_the_seed():
 @pytest.mark.parametrize("fault", [Fault("loss", "plant>controller", value=0.1), Fault("kill", "controller")], ids=named)
 def test_what_a_local_run_cannot_break_is_refused_in_one_line(fault):
     with pytest.raises(ValueError, match=f"{fault.kind} of {fault.target} cannot be played on the local clock"):
-        play_local(broken(fault), SEED)
+        play_local(with_faults(fault), SEED)
 
 
 MILD = (  # none of them ends the trial
@@ -178,12 +178,12 @@ ACTUATORS = of_group(tuple(MACHINE), "actuator")
 )
 def test_plain_python_breaks_as_the_compiled_trial_does_bit_for_bit(faults):
     experiment = press(0.2)._replace(faults=faults, plant=PLANT._replace(bias_s=0.11))
-    made, count, table, noise_n, intervals = plain_parts(experiment, SEED)
+    prepared, count, table, noise_n, intervals = plain_parts(experiment, SEED)
     broken_rows = tuple(tuple(map(float, row)) for row in fault_table(experiment, SEED))
     out = columns(count)
-    start = begin(made, control_start(made.control), intervals)
+    start = begin(prepared, control_start(prepared.control), intervals)
     rows = play(
-        setup=made, underway=start, table=table, faults=broken_rows, noise_n=noise_n, intervals=intervals, out=out, end=count
+        setup=prepared, underway=start, table=table, faults=broken_rows, noise_n=noise_n, intervals=intervals, out=out, end=count
     ).row
     compiled = play_local(experiment, SEED)
     assert rows == len(compiled.rows.tick) == count

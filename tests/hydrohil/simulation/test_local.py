@@ -93,8 +93,8 @@ def test_a_force_limit_just_below_the_peak_trips_at_that_very_tick_and_one_at_th
     limit_n = float(np.nextafter(peak_n, 0.0))
     tripped = play_local(press(force_limit_n=limit_n), 3)
     assert tripped.rows.tick[-1] == at
-    seen = tripped.supervisor
-    assert (seen.mode, seen.cause, seen.measured, seen.limit) == (Mode.TRIPPED, TripCause.FORCE_TARED, peak_n, limit_n)
+    end = tripped.supervisor
+    assert (end.mode, end.cause, end.measured, end.limit) == (Mode.TRIPPED, TripCause.FORCE_TARED, peak_n, limit_n)
     assert (tripped.gate.cause, tripped.gate.codes) == (GateCause.NO_PERMIT, (2048, 2048, 2048))
     assert tripped.gate.revoked[0] == 1
     rows = len(tripped.rows.tick)
@@ -118,23 +118,23 @@ def test_the_gate_cuts_by_itself_at_its_own_limit_and_the_supervisor_sees_it_one
 
 
 def plain_parts(experiment, seed):
-    made = setup(experiment, GateLimits())
-    count = made.supervise.duration_ticks - made.first_tick
+    prepared = setup(experiment, GateLimits())
+    count = prepared.supervise.duration_ticks - prepared.first_tick
     machine = experiment.plant.machine
-    noise_n = force_noise_n(seed, made.first_tick, count, machine.force_noise_sigma_n, machine.force_noise_clip_n)
+    noise_n = force_noise_n(seed, prepared.first_tick, count, machine.force_noise_sigma_n, machine.force_noise_clip_n)
     intervals = sample_intervals(
-        seed, made.first_tick, count, experiment.plant.sample_period_substeps, experiment.plant.jitter_substeps
+        seed, prepared.first_tick, count, experiment.plant.sample_period_substeps, experiment.plant.jitter_substeps
     )
     table = np.array(segment_table(experiment.reference), dtype=np.float64).reshape(-1, SEGMENT_COLUMNS)
-    return made, count, table, [float(value) for value in noise_n], [int(value) for value in intervals]
+    return prepared, count, table, [float(value) for value in noise_n], [int(value) for value in intervals]
 
 
 def test_plain_python_plays_the_compiled_trial_bit_for_bit():
     experiment = press(0.4)
-    made, count, table, noise_n, intervals = plain_parts(experiment, 3)
+    prepared, count, table, noise_n, intervals = plain_parts(experiment, 3)
     out = columns(count)
-    start = begin(made, control_start(made.control), intervals)
-    end = play(setup=made, underway=start, table=table, faults=(), noise_n=noise_n, intervals=intervals, out=out, end=count)
+    start = begin(prepared, control_start(prepared.control), intervals)
+    end = play(setup=prepared, underway=start, table=table, faults=(), noise_n=noise_n, intervals=intervals, out=out, end=count)
     compiled = play_local(experiment, 3)
     assert end.row == count == len(compiled.rows.tick)
     for name, plain, machine in zip(out._fields, out, compiled.rows, strict=True):
@@ -145,20 +145,20 @@ def test_plain_python_plays_the_compiled_trial_bit_for_bit():
 
 
 def test_the_emulator_given_the_same_codes_is_the_rollouts_machine(pressed):
-    made, _, _, _, intervals = plain_parts(press(), 3)
+    prepared, _, _, _, intervals = plain_parts(press(), 3)
     timeline = Timeline()
     emulator = Emulator(timeline, 400)
-    emulator.load(PLANT, 3, made.first_tick, len(intervals), ())
+    emulator.load(PLANT, 3, prepared.first_tick, len(intervals), ())
     emulator.begin()
     start = 0
     for i in range(len(pressed.rows.tick)):
         timeline.substep, timeline.number, timeline.tick = start, i, int(pressed.rows.tick[i])
-        reading, seen = emulator.read(), emulator.ground_truth()
+        reading, actual = emulator.read(), emulator.ground_truth()
         assert reading.encoder_counts == tuple(pressed.rows.encoder_counts[i])
         assert reading.force_counts == pressed.rows.force_counts[i]
-        assert seen.q == tuple(pressed.rows.true_q[i])
-        assert seen.pressure_a_pa == tuple(pressed.rows.pressure_a_pa[i])
-        timeline.substep = start + made.latch_substeps
+        assert actual.q == tuple(pressed.rows.true_q[i])
+        assert actual.pressure_a_pa == tuple(pressed.rows.pressure_a_pa[i])
+        timeline.substep = start + prepared.latch_substeps
         running = timeline.tick >= 0
         emulator.write(tuple(int(code) for code in pressed.rows.dac_counts[i]) if running else (2048, 2048, 2048))
         start += intervals[i]

@@ -49,6 +49,6 @@ def test_one_ceiling_above_what_the_target_holds_at_rest_and_one_onset_above_the
 
 
 def test_every_technique_is_asked_for_the_same_price():
-    asked = {trial.name: {(p.metric, p.high) for p in PAIRS if p.of == trial.name} for trial in ADAPTIVE}
-    assert len(asked) == 3
-    assert len({frozenset(prices) for prices in asked.values()}) == 1
+    claimed = {trial.name: {(p.metric, p.high) for p in PAIRS if p.of == trial.name} for trial in ADAPTIVE}
+    assert len(claimed) == 3
+    assert len({frozenset(prices) for prices in claimed.values()}) == 1

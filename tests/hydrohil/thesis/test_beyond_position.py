@@ -31,5 +31,5 @@ def test_a_new_law_is_set_against_the_final_law_in_the_same_trial():
 def test_what_is_stated_of_the_final_law_is_asked_of_the_robust_law_but_for_its_difficulty():
     for pattern in chapter4.PATTERNS:
         stated = {claim.statement for claim in find(f"final-{pattern}").claims}
-        asked = {claim.statement for claim in find(f"robust-{pattern}").claims}
-        assert stated - asked <= {"Below 0.2 deg peak to peak it has difficulty"}
+        claimed = {claim.statement for claim in find(f"robust-{pattern}").claims}
+        assert stated - claimed <= {"Below 0.2 deg peak to peak it has difficulty"}

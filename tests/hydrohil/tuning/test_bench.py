@@ -35,9 +35,9 @@ def test_one_trial_a_seed_is_played_until_one_trips():
         played.append((experiment.name, seed))
         return standing(experiment.duration_s if seed < 2 else 1.0)
 
-    wanted = pattern("small-step", LINK, GAINS)
-    assert len(play(bench(run, seeds=2), "pi", GAINS, wanted) or ()) == 2
-    assert play(bench(run, seeds=4), "pi", GAINS, wanted) is None
+    setpoint = pattern("small-step", LINK, GAINS)
+    assert len(play(bench(run, seeds=2), "pi", GAINS, setpoint) or ()) == 2
+    assert play(bench(run, seeds=4), "pi", GAINS, setpoint) is None
     assert [seed for _, seed in played] == [0, 1, 0, 1, 2]
     assert {name for name, _ in played} == {"tune-q2"}
 

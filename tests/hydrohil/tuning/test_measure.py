@@ -16,11 +16,11 @@ STEP = pattern("small-step", LINK, GAINS)
 LEAST = 0.5
 
 
-def following(wanted, error_rad):
+def following(setpoint, error_rad):
     """A link that stays `error_rad` (n,) behind the set-point of a pattern of 10 s."""
-    trace = standing(wanted.duration_s)
+    trace = standing(setpoint.duration_s)
     way = np.zeros(len(trace.t_s))
-    for segment in wanted.reference:
+    for segment in setpoint.reference:
         share = np.clip((trace.t_s - segment.start_s) / max(segment.duration_s, 1e-9), 0.0, 1.0)
         way += segment.amount * share
     error = error_rad(trace.t_s)
@@ -70,13 +70,13 @@ def test_the_current_at_constant_speed_is_meant_without_sign():
     assert measure.cruise_current_a(trace, LINK, RAMP) == pytest.approx(100.0)
 
 
-@pytest.mark.parametrize(("turns", "counts", "seen"), [(0, 5.0, 0), (1, 5.0, 1), (4, 5.0, 4), (4, 1.9, 0)])
-def test_a_link_hunts_as_often_as_it_turns_round_at_rest(turns, counts, seen):
+@pytest.mark.parametrize(("turns", "counts", "counted"), [(0, 5.0, 0), (1, 5.0, 1), (4, 5.0, 4), (4, 1.9, 0)])
+def test_a_link_hunts_as_often_as_it_turns_round_at_rest(turns, counts, counted):
     def error(t):
         since = np.clip(t - 3.1, 0.0, None)
         return np.where(t < 5.0, counts * COUNT * 0.5 * (1.0 - np.cos(np.pi * np.minimum(since / 0.4, turns))), 0.0)
 
-    assert measure.hunting(following(STEP, error), LINK, STEP) == seen
+    assert measure.hunting(following(STEP, error), LINK, STEP) == counted
 
 
 @pytest.mark.parametrize("half", [0.0, 5.0])
@@ -89,15 +89,15 @@ def test_overshoot_is_the_worse_of_both_ways(half):
 
 
 def test_breakaway_is_the_largest_current_before_the_second_count():
-    wanted = slow_ramp(LINK, 0.0, 0.01, 10.0)
-    trace = following(wanted, lambda t: 0.01 * t)  # stands
+    setpoint = slow_ramp(LINK, 0.0, 0.01, 10.0)
+    trace = following(setpoint, lambda t: 0.01 * t)  # stands
     moved = trace._replace(q=link(np.where(trace.t_s > 6.0, 2.0 * COUNT, 0.0), 2))
     assert measure.breakaway_a(moved, LINK) == pytest.approx(100.0 * 0.01 * 6.0, rel=1e-2)
 
 
 def test_one_count_is_no_motion_and_a_link_that_stands_has_no_breakaway():
-    wanted = slow_ramp(LINK, 0.0, 0.01, 10.0)
-    trace = following(wanted, lambda t: 0.01 * t)
+    setpoint = slow_ramp(LINK, 0.0, 0.01, 10.0)
+    trace = following(setpoint, lambda t: 0.01 * t)
     assert math.isnan(measure.breakaway_a(trace, LINK))
     flicker = trace._replace(q=link(np.where(trace.t_s > 6.0, COUNT, 0.0), 2))
     assert math.isnan(measure.breakaway_a(flicker, LINK))

@@ -34,7 +34,7 @@ def test_without_an_alpha_that_passes_there_is_none():
 
 
 @pytest.mark.parametrize(
-    ("field", "on", "past", "words"),
+    ("field", "on", "past", "phrase"),
     [
         (3, CRITERIA.hunting, CRITERIA.hunting + 1.0, "hunts"),
         (4, CRITERIA.overshoot_counts, CRITERIA.overshoot_counts + 0.01, "small step"),
@@ -42,12 +42,12 @@ def test_without_an_alpha_that_passes_there_is_none():
         (2, CRITERIA.ripple_counts, CRITERIA.ripple_counts + 0.01, "rings"),
     ],
 )
-def test_a_pattern_suffers_just_past_its_limit_and_is_named(field, on, past, words):
+def test_a_pattern_suffers_just_past_its_limit_and_is_named(field, on, past, phrase):
     numbers = list(FINE)
     numbers[field] = float(on)
     assert suffers(CRITERIA, tuple(numbers)) == ""
     numbers[field] = past
-    assert words in suffers(CRITERIA, tuple(numbers))
+    assert phrase in suffers(CRITERIA, tuple(numbers))
 
 
 def test_a_trial_that_trips_suffers():

@@ -16,11 +16,11 @@ GAINS = EXPERIMENT.controller.gains
 
 @pytest.mark.parametrize("name", PATTERNS)
 def test_link_2_gets_the_very_patterns_of_chapter_4(name):
-    made = pattern(name, 1, GAINS[1])
-    for segment, printed in zip(made.reference, TRAJECTORIES[name].reference, strict=True):
+    scaled = pattern(name, 1, GAINS[1])
+    for segment, printed in zip(scaled.reference, TRAJECTORIES[name].reference, strict=True):
         assert segment._replace(amount=0.0) == printed._replace(amount=0.0)
         assert segment.amount == pytest.approx(printed.amount)
-    assert made.start_q == pytest.approx(TRAJECTORIES[name].start_deg * RAD_PER_DEG)
+    assert scaled.start_q == pytest.approx(TRAJECTORIES[name].start_deg * RAD_PER_DEG)
 
 
 def test_the_large_ramp_of_every_link_runs_at_its_fastest_set_speed():
@@ -38,8 +38,8 @@ def test_every_pattern_stays_within_the_travel_of_every_link(link, name):
 
 
 def test_constant_speed_lies_between_the_blends():
-    made = pattern("large-ramp", 1, GAINS[1])
-    for (start, end), ramp in zip(made.cruises_s, made.reference, strict=True):
+    scaled = pattern("large-ramp", 1, GAINS[1])
+    for (start, end), ramp in zip(scaled.cruises_s, scaled.reference, strict=True):
         assert ramp.start_s + ramp.blend_s < start < end <= ramp.start_s + ramp.duration_s - ramp.blend_s
 
 
@@ -47,11 +47,11 @@ def test_a_trial_is_free_and_isolated_whatever_the_experiment_does():
     busy = find("fig-5-5")._replace(claims=find("fig-5-5").claims)
     controller = busy.controller._replace(adaptation=AdaptationConfig("stiffness"))
     busy = busy._replace(controller=controller)
-    made = checked(trial(busy, 2, "pi", GAINS[2], pattern("small-step", 2, GAINS[2]), 0.5), "test")
-    assert made.plant.environment == Environment()
-    assert made.controller.acting == (False, False, True)
-    assert (made.controller.target, made.claims) == ("joint", ())
-    assert made.plant.machine == busy.plant.machine and made.supervisor == busy.supervisor
+    scaled = checked(trial(busy, 2, "pi", GAINS[2], pattern("small-step", 2, GAINS[2]), 0.5), "test")
+    assert scaled.plant.environment == Environment()
+    assert scaled.controller.acting == (False, False, True)
+    assert (scaled.controller.target, scaled.claims) == ("joint", ())
+    assert scaled.plant.machine == busy.plant.machine and scaled.supervisor == busy.supervisor
 
 
 def test_the_place_keeps_as_much_again_as_the_pattern_from_the_limits():

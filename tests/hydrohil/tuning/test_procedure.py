@@ -34,28 +34,28 @@ def test_the_plants_parameters_decide_nothing_but_what_the_gains_are_set_against
     assert readers == ["compare.py"]
 
 
-def test_the_steps_end_with_the_first_that_finds_nothing_and_each_is_told():
-    told = []
-    tuned = tune_link(bench(stuck_until(float("inf"), float("inf"))), lambda link, step: told.append((link, step.number)))
-    assert told == [(LINK, 1)]
+def test_the_steps_end_with_the_first_that_finds_nothing_and_each_is_reported():
+    calls = []
+    tuned = tune_link(bench(stuck_until(float("inf"), float("inf"))), lambda link, step: calls.append((link, step.number)))
+    assert calls == [(LINK, 1)]
     assert tuned.gains is None and tuned.worth == ()
     assert [step.number for step in tuned.steps] == [1] and STEPS == 6
 
 
 def test_every_seed_is_played_and_one_that_trips_is_seen():
-    seen = []
+    seeds = []
 
     def run(experiment: Experiment, seed: int):
-        seen.append(seed)
+        seeds.append(seed)
         return standing(1.0 if seed == 2 else experiment.duration_s)
 
     worth(bench(run, seeds=3), GAINS)
-    assert set(seen) == {0, 1, 2}
+    assert set(seeds) == {0, 1, 2}
 
 
 def largest_gain(*settings):
-    made = bench(rollout)._replace(experiment=with_overrides(EXPERIMENT, settings))
-    return proportional(made, GAINS).gains.kp_a_per_q
+    changed = bench(rollout)._replace(experiment=with_overrides(EXPERIMENT, settings))
+    return proportional(changed, GAINS).gains.kp_a_per_q
 
 
 def test_the_proportional_gain_follows_stiffness_and_flow_of_the_plant():

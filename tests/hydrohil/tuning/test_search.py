@@ -5,10 +5,10 @@ import pytest
 from hydrohil.tuning.search import Found, Tried, largest
 
 
-def below(limit, seen=None):
+def below(limit, values=None):
     def judge(value):
-        if seen is not None:
-            seen.append(value)
+        if values is not None:
+            values.append(value)
         return Tried(value, value <= limit, (value,))
 
     return judge
@@ -46,6 +46,6 @@ def test_a_value_that_passes_above_one_that_failed_is_not_taken():
 
 
 def test_no_value_is_tried_twice():
-    seen: list[float] = []
-    largest(below(275.0, seen), 1.0, 2.0, 1e6, 1e-3, 0.03)
-    assert len(seen) == len(set(seen))
+    values: list[float] = []
+    largest(below(275.0, values), 1.0, 2.0, 1e6, 1e-3, 0.03)
+    assert len(values) == len(set(values))

@@ -41,8 +41,8 @@ def test_the_threshold_is_the_median_of_the_places_at_the_slow_rate():
 
 
 def emulated(*settings):
-    made = bench(rollout)._replace(experiment=with_overrides(EXPERIMENT, settings))
-    tuned = stiction(made, GAINS).gains
+    changed = bench(rollout)._replace(experiment=with_overrides(EXPERIMENT, settings))
+    tuned = stiction(changed, GAINS).gains
     return tuned.boost_positive_a / A_PER_MA, tuned.boost_negative_a / A_PER_MA
 
 
