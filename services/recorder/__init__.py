@@ -1,1 +1,1 @@
-"""Every topic of the rig into one Rerun recording. Nobody waits for it; only this service imports rerun."""
+"""Every topic of a cell into one Rerun recording. The recorder only listens, so it never blocks the control loop."""

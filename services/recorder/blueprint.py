@@ -1,4 +1,4 @@
-"""How a recording is laid out: the arm and the verdicts, the three plots of the thesis' figures, and what lies behind them."""
+"""The layout of a recording: arm and verdicts, the three plots of the thesis' figures, and diagnostics."""
 
 from typing import Any
 
@@ -19,9 +19,9 @@ AXES = ("x", "y", "z")
 def layout(force_axis: int = scene.DEFAULT_AXIS, live: bool = False) -> rrb.Blueprint:
     """The layout; live it follows the newest sample in a sliding window."""
     timeline = SAMPLE if live else TRIAL_TIME
-    left = rrb.Vertical(_arm(timeline, live), _words(live), row_shares=[3, 2])
-    middle = rrb.Vertical(*_thesis(force_axis, live), _state_timelines(live), row_shares=[3, 3, 3, 2.6])
-    right = rrb.Vertical(*_behind(live))
+    left = rrb.Vertical(_arm(timeline, live), _texts(live), row_shares=[3, 2])
+    middle = rrb.Vertical(*_thesis_plots(force_axis, live), _state_timelines(live), row_shares=[3, 3, 3, 2.6])
+    right = rrb.Vertical(*_diagnostics(live))
     return rrb.Blueprint(
         rrb.Horizontal(left, middle, right, column_shares=[1.0, 1.35, 1.0]),
         rrb.TimePanel(state="collapsed", timeline=timeline, play_state="following" if live else "paused"),
@@ -55,7 +55,7 @@ def _arm(timeline: str, live: bool) -> rrb.Spatial3DView:
     )
 
 
-def _words(live: bool) -> rrb.Tabs:
+def _texts(live: bool) -> rrb.Tabs:
     summary = rrb.TextDocumentView(origin="/summary", name="Claims and verdicts")
     machine = rrb.TextDocumentView(origin="/machine", name="Machine")
     trip = rrb.TextDocumentView(origin="/trip", name="Trip")
@@ -80,7 +80,7 @@ def _plot(name: str, contents: list[str], live: bool, legend: str = "LeftTop") -
     return rrb.TimeSeriesView(origin="/", contents=contents, name=name, axis_x=_time_axis(live), plot_legend=corner, **options)
 
 
-def _thesis(force_axis: int, live: bool) -> list[rrb.TimeSeriesView]:
+def _thesis_plots(force_axis: int, live: bool) -> list[rrb.TimeSeriesView]:
     """Force, position and control signal, one above the other, as every figure of chapter 5 shows them."""
     axis = AXES[force_axis]
     return [
@@ -91,7 +91,7 @@ def _thesis(force_axis: int, live: bool) -> list[rrb.TimeSeriesView]:
 
 
 def _state_timelines(live: bool) -> rrb.Tabs:
-    """Who allows what, what the law does, what friction does; each lane is written on change only."""
+    """Modes of supervisor and gate, integral and envelope of the law, friction of the links."""
     tabs = (("Modes", (Permit, Sample)), ("Integral and envelope", (ControllerState,)), ("Friction", (GroundTruth,)))
     return rrb.Tabs(*(_state_timeline_view(name, messages, live) for name, messages in tabs), active_tab=0)
 
@@ -101,7 +101,7 @@ def _state_timeline_view(name: str, messages: tuple[type, ...], live: bool) -> r
     return rrb.StateTimelineView(origin="/", contents=contents, name=name, time_view=_time_axis(live))
 
 
-def _behind(live: bool) -> list[Any]:
+def _diagnostics(live: bool) -> list[Any]:
     tracking = rrb.Tabs(
         _plot("Tracking error [deg, mm]", ["/figure/error/**"], live),
         _plot("Position x [mm]", ["/figure/position/x"], live),

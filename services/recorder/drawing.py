@@ -1,4 +1,4 @@
-"""Rows to rerun's columns, and what stands still: robot model, styles, frames."""
+"""Rows to rerun's columns, and the static parts of a recording: robot model, styles, frames."""
 
 from functools import cache
 from pathlib import Path
@@ -53,8 +53,8 @@ def send(stream: rr.RecordingStream, drawn: Drawn) -> None:
         stream.log(drawn.entity, drawn.columns, static=True)
 
 
-def log_standing(stream: rr.RecordingStream) -> None:
-    """Write what stands still: the robot, styles, frames of the scene."""
+def log_static(stream: rr.RecordingStream) -> None:
+    """Write the static parts: the robot, styles, frames of the scene."""
     robot().log_urdf_to_recording(stream)
     for entity, (radius, color) in _POINTS.items():
         stream.log(entity, rr.CoordinateFrame(ROOT), rr.Points3D.from_fields(radii=radius, colors=color), static=True)
@@ -68,7 +68,7 @@ _last: tuple[Times | None, tuple[Any, ...]] = (None, ())
 
 
 def _shared_time_columns(times: Times) -> tuple[Any, ...]:
-    """A topic's entities follow each other with the same times; their columns are made once."""
+    """A topic's entities follow each other with the same times; their columns are computed once."""
     global _last
     if _last[0] is not times:
         _last = (times, _time_columns(times))

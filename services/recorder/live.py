@@ -1,4 +1,4 @@
-"""The live view: a server of its own, fed by its own thread. A viewer that hangs costs the viewer rows, nobody else."""
+"""The live view: a server fed by a thread of its own. A viewer that hangs loses rows, and blocks neither recorder nor loop."""
 
 import socket
 import threading
@@ -9,17 +9,17 @@ from types import TracebackType
 import rerun as rr
 
 from hydrohil.services.recorder.blueprint import layout
-from hydrohil.services.recorder.drawing import Drawn, log_standing, send
+from hydrohil.services.recorder.drawing import Drawn, log_static, send
 from hydrohil.services.recorder.recording import APPLICATION
 from hydrohil.services.recorder.scene import DEFAULT_AXIS
 
-KEPT_BATCHES = 2048  # about 3 s of every entity at 1 kHz; the oldest go first
-SERVER_MEMORY = "256MiB"  # what a viewer that comes late still gets
+KEPT_BATCHES = 2048  # about 3 s of every entity at 1 kHz; the oldest are dropped first
+SERVER_MEMORY = "256MiB"  # of rows for a viewer that connects late
 CLOSE_TIMEOUT_S = 2.0
 
 
 class Live:
-    """Rows for viewers at `rerun+http://<host>:<port>/proxy`. `send` never waits; `dropped` counts what was given up."""
+    """Rows for viewers at `rerun+http://<host>:<port>/proxy`. `send` never waits; `dropped` counts dropped batches."""
 
     def __init__(self, port: int, address: str = "127.0.0.1", force_axis: int = DEFAULT_AXIS) -> None:
         """Serve; raises OSError if the port is taken."""
@@ -32,12 +32,12 @@ class Live:
         self._stream.set_sinks(
             rr.GrpcServerSink(address, port, server_memory_limit=SERVER_MEMORY), default_blueprint=layout(force_axis, live=True)
         )
-        log_standing(self._stream)
+        log_static(self._stream)
         self._thread = threading.Thread(target=self._feed, name="live view", daemon=True)
         self._thread.start()
 
     def __enter__(self) -> "Live":
-        """Open since it was made."""
+        """It serves since its construction."""
         return self
 
     def __exit__(self, kind: type[BaseException] | None, error: BaseException | None, trace: TracebackType | None) -> None:
@@ -45,7 +45,7 @@ class Live:
         self.close()
 
     def send(self, drawn: Drawn) -> None:
-        """Queue rows; if the viewer does not keep up the oldest go."""
+        """Queue rows; if the viewer is too slow the oldest are dropped."""
         with self._wake:
             if len(self._batches) >= KEPT_BATCHES:
                 self._batches.popleft()

@@ -1,37 +1,32 @@
-"""The recorder without its bus: messages in, at most one open recording and a live view out, everything counted."""
+"""The recorder without its bus: messages in, at most one open recording and a live view out, every message counted."""
 
 import sys
 from collections.abc import Iterable
 from itertools import groupby
 from operator import attrgetter
 from pathlib import Path
-from typing import Any, NamedTuple, Protocol
+from typing import Any, Protocol
 
+from hydrohil.services.recorder.counter_rows import COUNT_ROWS
 from hydrohil.services.recorder.drawing import Drawn, draw
+from hydrohil.services.recorder.link_counts import LinkCounts
 from hydrohil.services.recorder.recording import Recording
 from hydrohil.services.recorder.rows import Rows
 from hydrohil.services.recorder.scene import machine
+from hydrohil.services.recorder.summary import counts_table, properties, recording_report
 from hydrohil.services.recorder.writer import Writer
 from hydrohil.shared.contract.codec import Received, Rejected
 from hydrohil.shared.contract.messages import PlantDescription
-from hydrohil.shared.host.qualified import UNKNOWN, Standing, plain
-from hydrohil.shared.trips.events import Event, gap_event, is_reported, rejected_event
+from hydrohil.shared.host.qualified import UNKNOWN, Standing
+from hydrohil.shared.trips.events import Event, is_reported, rejected_event
 from hydrohil.shared.trips.formatting import markdown
-from hydrohil.shared.trips.gaps import Counted, Sequence, count, since, unbroken
 from hydrohil.shared.trips.watcher import Trips
 from hydrohil.shared.units import NS_PER_S
 
-FLUSH_NS = NS_PER_S  # what a batch holds, and what a kill loses
-FLUSH_LIVE_NS = 225_000_000  # where somebody looks on; more chunks, so that a file of the recording is shorter
-CHECK_NS = NS_PER_S  # a flush tells of a full disk
+FLUSH_NS = NS_PER_S  # of rows in a batch: as much is lost if the recorder is killed
+FLUSH_LIVE_NS = 225_000_000  # with a live view; it makes more chunks, so that a file of the recording is shorter
+CHECK_NS = NS_PER_S  # between checks of the file: a flush finds a full disk
 PART_CHUNKS = 32_768  # of one file: its index is kept in memory until the file is closed, about 2 kB a chunk
-
-
-class Link(NamedTuple):
-    """One publisher on one topic."""
-
-    topic: str
-    sender: str
 
 
 class Output(Protocol):
@@ -45,61 +40,43 @@ class Recorder:
     """Counts always; writes when a recording is open or a live view is there."""
 
     def __init__(self, cell: str = "", live: Output | None = None, trips: Path | None = None) -> None:
-        """Nothing open, nothing counted; trip reports go into the folder `trips`, if one is given."""
-        self._cell = cell
-        self._live = live
-        self._links: dict[Link, Sequence] = {}
-        self._rejected: dict[tuple[str, str], int] = {}
+        """No recording is open, no message counted; trip reports go into the folder `trips`, if one is given."""
+        self._cell, self._live = cell, live
+        self._links = LinkCounts()
+        self._rejected: dict[tuple[str, str], int] = {}  # topic and cause
         self._recording: Recording | None = None
-        self._at_start: dict[Link, Sequence] = {}
-        self._told = ""
+        self._printed_failure = ""
         self._flushed_ns = self._checked_ns = 0
-        self._axis: int | None = None
+        self._force_axis: int | None = None
         self._trips = Trips(cell, trips)
-        self._told_trips: list[str] = []  # of the open recording
+        self._trip_documents: list[str] = []  # of the open recording
         self._flush_ns = FLUSH_NS if live is None else FLUSH_LIVE_NS
-        self._writer = Writer(self._emit) if live is None else Writer(self._emit, count_rows=1)
+        self._writer = Writer(self._emit, count_rows=COUNT_ROWS if live is None else 1)
 
     def take(self, messages: Iterable[Received | Rejected]) -> None:
-        """Everything that arrived since the last call, the samples before what answers them."""
-        gaps: dict[Link, tuple[Received, Counted]] = {}
+        """Everything that arrived since the last call, the samples before the messages that answer them."""
         for _, run in groupby(messages, attrgetter("topic")):
             received = []
             for message in run:
                 if isinstance(message, Rejected):
-                    self._refused(message)
+                    self._count_rejected(message)
                 else:
                     received.append(message)
             if received:
-                self._take_run(received, gaps)
-        for message, counted in gaps.values():  # one line a link and call, however many gaps
-            self._tell(gap_event(message.topic, message.header, counted))
-        self._lay_out()
+                self._take_topic(received)
+        for event in self._links.gap_events():
+            self._log(event)
+        self._update_layout()
 
-    def _take_run(self, messages: list[Received], gaps: dict[Link, tuple[Received, Counted]]) -> None:
+    def _take_topic(self, messages: list[Received]) -> None:
         """Messages of one topic: counted, kept for a trip, written."""
-        link = Link(messages[0].topic, messages[0].header.sender)
-        whole = unbroken(self._links.get(link), [message.header for message in messages])
-        if whole is not None:
-            self._links[link] = whole
-        else:
-            for message in messages:
-                self._count(message, gaps)
+        self._links.take(messages)
         self._trips.take(*messages)
         if self._is_writing or isinstance(messages[0].body, PlantDescription):
             self._writer.take(*messages)
 
-    def _count(self, message: Received, gaps: dict[Link, tuple[Received, Counted]]) -> None:
-        header = message.header
-        link = Link(message.topic, header.sender)
-        counted = count(self._links.get(link), header.epoch, header.seq)
-        self._links[link] = counted.sequence
-        if counted.skipped or counted.restarted:
-            before = gaps[link][1].skipped if link in gaps else 0
-            gaps[link] = (message, counted._replace(skipped=before + counted.skipped))
-
     def tick(self, now_ns: int) -> None:
-        """Write batches that do not fill, look after the file, report trips."""
+        """Write batches that do not fill, check the file, report trips."""
         self._report_trips(now_ns)
         if now_ns - self._flushed_ns >= self._flush_ns:
             self._flushed_ns = now_ns
@@ -108,7 +85,7 @@ class Recorder:
             self._checked_ns = now_ns
             self._write_missing()
             self._check()
-            self._bound_part()
+            self._begin_next_part()
 
     def record(self, path: Path, title: str, summary: str = "", qualified: Standing = UNKNOWN) -> dict[str, Any]:
         """Open a new recording; one that is open is closed first. Raises OSError if the file cannot be created.
@@ -117,50 +94,50 @@ class Recorder:
         """
         if self._recording is not None:
             self.finish("")
-        axis = machine(self._writer.description).force_axis
-        recording = Recording(path, title, axis)
+        force_axis = machine(self._writer.description).force_axis
+        recording = Recording(path, title, force_axis)
         recording.describe("rig", cell=self._cell)
         recording.describe("qualification", **properties(qualified))
         self._writer.flush(everything=True)
-        self._recording, self._axis, self._at_start = recording, axis, dict(self._links)
-        self._writer.begin()
-        self._told_trips = []
+        self._recording, self._force_axis = recording, force_axis
+        self._links.begin_recording()
+        self._writer.begin_recording()
+        self._trip_documents = []
         self._summary, self._qualified = summary or f"# {title}", qualified
-        self._emit(Rows("summary", "document", None, f"{self._summary}\n\n{qualified.words}"))
+        self._emit_document("summary", self._summary, qualified.words)
         self._check()
         return {"path": str(recording.path), "failure": recording.failure}
 
     def finish(self, summary: str = "") -> dict[str, Any]:
-        """Write what is left, the verdicts and the counts; close. Without an open recording the reply says so."""
+        """Write waiting rows, the verdicts and the counts; close. Without an open recording the reply says so."""
         recording = self._recording
         if recording is None:
             return {"path": "", "rows": 0, "gaps": 0, "bytes": 0, "failure": "no recording is open"}
         self._report_trips(0, at_once=True)
         self._write_missing()
         self._writer.flush(everything=True)
-        report = self._report(recording)
-        parts = (summary or self._summary, self._qualified.words, counts_table(report))
-        self._emit(Rows("summary", "document", None, "\n\n".join(parts)))
+        report = recording_report(recording, self._links.recorded(), self._writer.rows)
+        self._emit_document("summary", summary or self._summary, self._qualified.words, counts_table(report))
         recording.close()
         self._check()
-        self._recording, self._told = None, ""
+        self._recording, self._printed_failure = None, ""
         return report | {"bytes": recording.bytes, "failure": recording.failure}
 
     def status(self) -> dict[str, Any]:
-        """What is open and what was counted since the recorder's start."""
-        open_now = self._report(self._recording) if self._recording else {"path": "", "failure": ""}
-        received = {f"{link.topic} {link.sender}": sequence._asdict() for link, sequence in self._links.items()}
-        refused = {f"{topic} {cause}": times for (topic, cause), times in self._rejected.items()}
+        """The open recording, and the counts since the recorder's start."""
+        recording: dict[str, Any] = {"path": "", "failure": ""}
+        if self._recording is not None:
+            recording = recording_report(self._recording, self._links.recorded(), self._writer.rows)
         return {
-            "recording": open_now,
-            "received": received,
-            "refused": refused,
+            "recording": recording,
+            "received": self._links.status(),
+            "refused": {f"{topic} {cause}": times for (topic, cause), times in self._rejected.items()},
             "live_dropped": getattr(self._live, "dropped", 0),
             "trip": self._trips.status(),
         }
 
     def close(self) -> None:
-        """Close what is open; a trip that has just happened is still reported."""
+        """Close the recording; a trip that has just happened is still reported."""
         self._report_trips(0, at_once=True)
         self.finish()
         self._trips.close()
@@ -178,85 +155,53 @@ class Recorder:
         if self._live is not None:
             self._live.send(drawn)
 
-    def _tell(self, event: Event | None) -> None:
-        if event is not None and self._is_writing:
-            self._writer.tell(event)
+    def _emit_document(self, entity: str, *paragraphs: str) -> None:
+        self._emit(Rows(entity, "document", None, "\n\n".join(paragraphs)))
+
+    def _log(self, event: Event) -> None:
+        if self._is_writing:
+            self._writer.log(event)
 
     def _report_trips(self, now_ns: int, *, at_once: bool = False) -> None:
         """Each trip as a document and a line of the log."""
-        missing = {link.topic: {"missing": s.missing, "unordered": s.unordered} for link, s in self._links.items()}
-        for document in self._trips.reports(now_ns, {"recorder": missing}, at_once=at_once):
-            self._told_trips.append(markdown(document))
-            self._emit(Rows("trip", "document", None, "\n\n".join(self._told_trips)))
-            self._tell(Event("recorder", "ERROR", f"trip report: {document['sentence']}"))
+        counters = {"recorder": self._links.missing()}
+        for document in self._trips.reports(now_ns, counters, at_once=at_once):
+            self._trip_documents.append(markdown(document))
+            self._emit_document("trip", *self._trip_documents)
+            self._log(Event("recorder", "ERROR", f"trip report: {document['sentence']}"))
 
-    def _refused(self, rejected: Rejected) -> None:
+    def _count_rejected(self, rejected: Rejected) -> None:
         key = (rejected.topic, rejected.cause)
         times = self._rejected[key] = self._rejected.get(key, 0) + 1
         if is_reported(times):
-            self._tell(rejected_event(rejected, times))
+            self._log(rejected_event(rejected, times))
 
-    def _lay_out(self) -> None:
-        """The force gauge's axis is known when the plant has described itself; the layout shows that axis."""
-        axis = machine(self._writer.description).force_axis
-        if self._recording is not None and axis != self._axis:
-            self._axis = axis
-            self._recording.lay_out(axis)
+    def _update_layout(self) -> None:
+        """Show the force gauge's axis, which is known when the plant has described itself."""
+        force_axis = machine(self._writer.description).force_axis
+        if self._recording is not None and force_axis != self._force_axis:
+            self._force_axis = force_axis
+            self._recording.set_layout(force_axis)
 
-    def _bound_part(self) -> None:
+    def _begin_next_part(self) -> None:
         """Go on in another file before the index of this one fills memory."""
         recording = self._recording
         if recording is None or recording.failure or recording.chunks < PART_CHUNKS:
             return
         recording.next_part()
-        self._writer.retell()
-        self._emit(Rows("summary", "document", None, self._summary))
-        if self._told_trips:
-            self._emit(Rows("trip", "document", None, "\n\n".join(self._told_trips)))
+        self._writer.begin_file()
+        self._emit_document("summary", self._summary)
+        if self._trip_documents:
+            self._emit_document("trip", *self._trip_documents)
 
     def _write_missing(self) -> None:
-        for link, sequence in self._counted().items():
+        for link, sequence in self._links.recorded().items():
             self._writer.scalar(f"missing/{link.topic}/{link.sender}", float(sequence.missing))
-
-    def _counted(self) -> dict[Link, Sequence]:
-        return {link: since(sequence, self._at_start.get(link)) for link, sequence in self._links.items()}
-
-    def _report(self, recording: Recording) -> dict[str, Any]:
-        counted = self._counted()
-        gaps = {f"{link.topic} {link.sender}": sequence.missing for link, sequence in counted.items()}
-        return {
-            "path": str(recording.path),
-            "rows": sum(self._writer.rows.values()),
-            "gaps": sum(gaps.values()),
-            "bytes": recording.bytes,
-            "files": [str(path) for path in recording.parts],
-            "failure": recording.failure,
-            "rows_by_topic": dict(self._writer.rows),
-            "gaps_by_topic": gaps,
-            "unordered": sum(sequence.unordered for sequence in counted.values()),
-        }
 
     def _check(self) -> None:
         if self._recording is None:
             return
         failure = self._recording.failure or self._recording.check()
-        if failure and failure != self._told:
-            self._told = failure
+        if failure and failure != self._printed_failure:
+            self._printed_failure = failure
             print(f"recorder: the recording has stopped, counting goes on: {failure}", file=sys.stderr, flush=True)
-
-
-def properties(qualified: Standing) -> dict[str, object]:
-    """How a host is qualified, as columns of a catalogue of trials; what was not measured is left out."""
-    return {"words": qualified.words} | {name: value for name, value in (plain(qualified) or {}).items() if value is not None}
-
-
-def counts_table(report: dict[str, Any]) -> str:
-    """What the recording holds and what it misses, in Markdown."""
-    rows: dict[str, int] = report["rows_by_topic"]
-    gaps: dict[str, int] = report["gaps_by_topic"]
-    lines = []
-    for topic in sorted(rows):
-        missing = sum(n for link, n in gaps.items() if link.split(" ")[0] == topic)
-        lines.append(f"| {topic} | {rows[topic]} | {missing} |")
-    verdict = "complete: no message is missing" if not report["gaps"] else f"**{report['gaps']} messages are missing**"
-    return "\n".join(["## Recording", "", verdict, "", "| topic | rows | missing |", "|-|-:|-:|", *lines])

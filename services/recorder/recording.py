@@ -1,4 +1,4 @@
-"""One recording: .rrd files with layout and arm inside, which open together. A disk that fails is reported, never waited for."""
+"""One recording: .rrd files with layout and arm inside, which open together. A failing disk is reported; it never blocks."""
 
 import contextlib
 import shutil
@@ -9,7 +9,7 @@ from types import TracebackType
 import rerun as rr
 
 from hydrohil.services.recorder.blueprint import layout
-from hydrohil.services.recorder.drawing import Drawn, draw, log_standing, send
+from hydrohil.services.recorder.drawing import Drawn, draw, log_static, send
 from hydrohil.services.recorder.rows import Rows
 from hydrohil.services.recorder.scene import DEFAULT_AXIS
 from hydrohil.shared.contract.file_parts import part, parts_of
@@ -22,7 +22,7 @@ TIMED_OUT = "timed out"
 
 
 def unused(path: Path) -> Path:
-    """`path`, or with the first number that makes it new; the file is created, so that nobody else gets it."""
+    """`path`, or with the first number that is free; the file is created, so that no other process takes the name."""
     if path.suffix != SUFFIX:
         raise ValueError(f"{path} is no name for a recording: expected one that ends in {SUFFIX}")
     path.parent.mkdir(parents=True, exist_ok=True)
@@ -63,7 +63,7 @@ class Recording:
         try:
             self._stream.save(self.parts[-1], default_blueprint=layout(self._axis))
             self._stream.send_recording_name(self._title)
-            log_standing(self._stream)
+            log_static(self._stream)
             for name, values in self._properties.items():
                 self._stream.send_property(name, rr.AnyValues(**values))
         except (RuntimeError, OSError) as error:
@@ -84,7 +84,7 @@ class Recording:
         self._open()
 
     def __enter__(self) -> "Recording":
-        """Open since it was made."""
+        """The recording is open since its construction."""
         return self
 
     def __exit__(self, kind: type[BaseException] | None, error: BaseException | None, trace: TracebackType | None) -> None:
@@ -92,7 +92,7 @@ class Recording:
         self.close()
 
     def write(self, rows: Rows) -> None:
-        """Write rows; into a recording that failed they vanish."""
+        """Write rows; after a failure they are dropped."""
         self.send(draw(rows))
 
     def send(self, drawn: Drawn) -> None:
@@ -106,8 +106,8 @@ class Recording:
         except (RuntimeError, OSError) as error:
             self._fail(error)
 
-    def lay_out(self, force_axis: int) -> None:
-        """Another layout, once it is known how the force gauge is mounted."""
+    def set_layout(self, force_axis: int) -> None:
+        """Replace the layout, once the axis of the force gauge is known."""
         self._axis = force_axis
         with contextlib.suppress(RuntimeError):
             self._stream.send_blueprint(layout(force_axis))
@@ -119,7 +119,7 @@ class Recording:
             self._stream.send_property(name, rr.AnyValues(**values))
 
     def check(self) -> str:
-        """Ask whether the writing thread still lives: it dies silently on a full disk, a flush tells. Returns `failure`."""
+        """Flush: rerun's writing thread dies silently on a full disk, and only a flush reports it. Returns `failure`."""
         if not self.failure:
             try:
                 self._stream.flush(timeout_sec=FLUSH_TIMEOUT_S)
@@ -134,7 +134,7 @@ class Recording:
         return sum(path.stat().st_size for path in self.parts if path.exists())
 
     def close(self) -> None:
-        """Write what is left and the footer."""
+        """Write waiting rows and the footer."""
         self.check()
         self._stream.disconnect()
 

@@ -1,11 +1,11 @@
-"""What the recorder writes: rows of one entity, placed on the timelines. Numbers and text only, no rerun."""
+"""What the recorder writes: rows of one entity with their times. Numbers and text only, no rerun."""
 
 from typing import Any, Literal, NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
 
-from hydrohil.services.recorder.sample_index import Place
+from hydrohil.services.recorder.sample_index import IndexedSample
 
 Kind = Literal["scalars", "names", "state", "text", "joint", "points", "arrows", "document"]
 
@@ -30,20 +30,20 @@ class Rows(NamedTuple):
     values: Any
 
 
-def times_of(places: list[Place]) -> Times:
+def times_of(samples: list[IndexedSample]) -> Times:
     """Times of rows that all lie in a trial, or all outside."""
-    samples = np.array([place.number for place in places], np.int64)
-    if not places or places[0].trial_time_ns is None:
-        return Times(samples, None)
-    return Times(samples, np.array([place.trial_time_ns for place in places], np.int64))
+    numbers = np.array([sample.number for sample in samples], np.int64)
+    if not samples or samples[0].trial_time_ns is None:
+        return Times(numbers, None)
+    return Times(numbers, np.array([sample.trial_time_ns for sample in samples], np.int64))
 
 
-def only(times: Times, kept: NDArray[Any]) -> Times:
+def selected(times: Times, kept: NDArray[Any]) -> Times:
     """The times of some of the rows; `kept` is a mask or indices."""
     return Times(times.samples[kept], None if times.trial_ns is None else times.trial_ns[kept])
 
 
-def alike(keys: list[Any]) -> list[slice]:
+def equal_runs(keys: list[Any]) -> list[slice]:
     """Runs of equal neighbours."""
     if not keys:
         return []

@@ -5,7 +5,7 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from hydrohil.services.recorder.rows import Rows, Times, only
+from hydrohil.services.recorder.rows import Rows, Times, selected
 from hydrohil.shared.contract.columns import Matrix
 from hydrohil.shared.contract.converters import UNIMATE_ENCODERS
 from hydrohil.shared.contract.messages import Channel, PlantDescription
@@ -20,7 +20,7 @@ TIP, PATH, TARGET, NOMINAL, FORCE = "scene/tip", "scene/path", "scene/target", "
 
 
 class Machine(NamedTuple):
-    """What the scene must know of the machine."""
+    """The part of the plant's description that the scene needs."""
 
     encoders: tuple[Channel, ...] = UNIMATE_ENCODERS
     period_ns: int = DEFAULT_PERIOD_NS
@@ -35,7 +35,7 @@ def machine(description: PlantDescription | None) -> Machine:
     return Machine(description.encoders, description.sample_period_ns, description.force_axis, description.force_sign)
 
 
-def shown(times: Times, period_ns: int) -> NDArray[np.bool_]:
+def shown_rows(times: Times, period_ns: int) -> NDArray[np.bool_]:
     """Rows that the scene shows: every so-many-th sample."""
     step = max(1, round(SCENE_PERIOD_NS / max(1, period_ns)))
     mask: NDArray[np.bool_] = times.samples % step == 0
@@ -44,14 +44,16 @@ def shown(times: Times, period_ns: int) -> NDArray[np.bool_]:
 
 def joint_rows(names: tuple[str, ...], matrix: Matrix, times: Times, of: Machine) -> list[Rows]:
     """Joint positions from the encoder counts: rad, m."""
-    mask = shown(times, of.period_ns)
-    made = []
+    mask = shown_rows(times, of.period_ns)
+    found = []
     for i, channel in enumerate(of.encoders):
         column = f"encoder_counts[{i}]"
         if channel.name in JOINTS and column in names and mask.any():
             counts = matrix[mask, names.index(column)]
-            made.append(Rows(f"scene/joint/{channel.name}", "joint", only(times, mask), counts * channel.scale + channel.offset))
-    return made
+            found.append(
+                Rows(f"scene/joint/{channel.name}", "joint", selected(times, mask), counts * channel.scale + channel.offset)
+            )
+    return found
 
 
 def _vectors(names: tuple[str, ...], matrix: Matrix, field: str) -> Matrix:
@@ -63,10 +65,10 @@ def tip_rows(names: tuple[str, ...], matrix: Matrix, times: Times, of: Machine) 
     x, target, nominal = (_vectors(names, matrix, field) for field in ("x_m", "x_set_m", "x_nominal_m"))
     force = matrix[:, names.index("force_mean_n")]
     finite = np.isfinite(x).all(1) & np.isfinite(target).all(1) & np.isfinite(nominal).all(1) & np.isfinite(force)
-    mask = shown(times, of.period_ns) & finite
+    mask = shown_rows(times, of.period_ns) & finite
     if not mask.any():
         return []
-    at = only(times, mask)
+    at = selected(times, mask)
     push = np.zeros((len(matrix), 3))
     push[:, of.force_axis] = np.maximum(force, 0.0) * of.force_sign * ARROW_M_PER_N
     arrows = np.stack((x - push, push), 1)[mask]  # the head touches the tip

@@ -22,9 +22,9 @@ from hydrohil.shared.transport.requests import Request
 if TYPE_CHECKING:
     from hydrohil.services.recorder.recorder import Recorder
 
-DEPTH = 8192  # 8 s at 1 kHz: a slow disk fills the recorder's ring, not the others'
-COLLECTED = (50_000, 20, 20)  # seldom: the seconds that are kept for a trip hold no cycles, and looking through them costs
-STEP_S = 0.075  # rings are drained in one go, so that no message costs a wake-up; three are a flush of the live view
+DEPTH = 8192  # 8 s at 1 kHz: a slow disk fills only the recorder's ring
+COLLECTED = (50_000, 20, 20)  # seldom: the messages kept for a trip hold no cycles, and the collector would scan them all
+STEP_S = 0.075  # rings are drained together, so that no message costs a wake-up; three steps are a flush of the live view
 
 
 def main(arguments: list[str] | None = None) -> int:
@@ -62,7 +62,7 @@ def record(
         live = stack.enter_context(Live(live_port)) if live_port is not None else None
         recorder = Recorder(options.cell, live, trips if trips is not None else folder / "trips")
         if rrd is not None:
-            recorder.record(folder / rrd, rrd.stem, qualified=standing(fifo=True))  # by hand nobody tells how the cell runs
+            recorder.record(folder / rrd, rrd.stem, qualified=standing(fifo=True))  # no load has said how the cell runs
         bus = stack.enter_context(Bus("recorder", options.cell, options.port, draw_number(), options.network))
         inboxes = [bus.subscribe(topic.key, DEPTH) for topic in TOPICS]  # the plant's samples come first
         stack.callback(_finish, recorder, inboxes)
@@ -85,19 +85,18 @@ def _finish(recorder: "Recorder", inboxes: list[Inbox]) -> None:
 
 def _answer(recorder: "Recorder", inboxes: list[Inbox], folder: Path, request: Request) -> None:
     """One request, one answer."""
-    _drain(recorder, inboxes)  # what came before the request belongs before it
+    _drain(recorder, inboxes)  # messages before the request belong before it
     arguments = request.arguments
     match request.verb:
         case "record":
             try:
-                request.reply(
-                    recorder.record(
-                        folder / _text(arguments, "path"),
-                        _text(arguments, "title"),
-                        _text(arguments, "summary_markdown"),
-                        of_plain(arguments.get("qualification")),
-                    )
+                reply = recorder.record(
+                    folder / _text(arguments, "path"),
+                    title=_text(arguments, "title"),
+                    summary=_text(arguments, "summary_markdown"),
+                    qualified=of_plain(arguments.get("qualification")),
                 )
+                request.reply(reply)
             except (OSError, ValueError) as error:
                 request.refuse(f"no recording: {error}")
         case "finish":

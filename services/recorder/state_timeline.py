@@ -1,4 +1,4 @@
-"""Modes as lanes over time: which column of which message, and what its numbers are called. Written on change only."""
+"""States over time: which column of which message, and the label of each number. A state is written when it changes."""
 
 from enum import IntEnum
 from typing import Any, NamedTuple
@@ -12,14 +12,14 @@ GREY, GREEN, AMBER, RED, BLUE, DIM = 0x6B7280FF, 0x2FA866FF, 0xE0A030FF, 0xD6454
 
 
 class Label(NamedTuple):
-    """What a number is called and its colour (RGBA)."""
+    """Text and colour (RGBA) of a number."""
 
     text: str
     color: int
 
 
 class StateTimeline(NamedTuple):
-    """One lane: entity, column of the message, label of each number."""
+    """One state over time: entity, column of the message, label of each number."""
 
     entity: str
     title: str
@@ -82,5 +82,5 @@ def changes(values: NDArray[np.float64], before: float | None) -> NDArray[np.int
 
 
 def state_timelines(message: Any) -> tuple[StateTimeline, ...]:
-    """Lanes drawn from a message class."""
+    """State timelines drawn from a message class."""
     return STATE_TIMELINES.get(message, ())

@@ -1,4 +1,4 @@
-"""Names, colours and widths of the curves; colours of the lanes. Rerun's automatic ones are hard to tell apart."""
+"""Names, colours and widths of the curves; colours of the states. Rerun's automatic colours are hard to distinguish."""
 
 from typing import NamedTuple
 
@@ -26,7 +26,7 @@ class Style(NamedTuple):
 
 
 def faded(color: int) -> int:
-    """The same hue, darker: what is asked for beside what is."""
+    """The same hue, darker: for a set-point beside its measured value."""
     red, green, blue = ((color >> shift & 0xFF) for shift in (24, 16, 8))
     return int(red * FADED) << 24 | int(green * FADED) << 16 | int(blue * FADED) << 8 | 0xFF
 
@@ -75,7 +75,7 @@ def styles(converters: tuple[Channel, ...] = UNIMATE_CONVERTERS) -> dict[str, St
 
 
 def log_styles(stream: rr.RecordingStream, converters: tuple[Channel, ...] = UNIMATE_CONVERTERS) -> None:
-    """Write names and colours of curves and lanes, once for the whole recording."""
+    """Write names and colours of curves and states, once for the whole recording."""
     for entity, style in styles(converters).items():
         mode = "StepAfter" if style.stepped else None
         lines = rr.SeriesLines(

@@ -1,1 +1,1 @@
-"""The router: one process that forwards between sessions which do not reach each other directly."""
+"""The router: one process that forwards between sessions that do not reach each other directly."""

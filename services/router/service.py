@@ -1,4 +1,4 @@
-"""A router: cells whose services were given `--router` meet here. It forwards, and knows nothing of what passes."""
+"""A router between the services that were started with `--router`. It forwards frames and does not read them."""
 
 import signal
 import sys

@@ -8,11 +8,11 @@ from hydrohil.services.recorder import live
 from hydrohil.services.recorder.drawing import Drawn, draw
 from hydrohil.services.recorder.live import Live
 from hydrohil.services.recorder.rows import Rows, times_of
-from hydrohil.services.recorder.sample_index import Place
+from hydrohil.services.recorder.sample_index import IndexedSample
 
 
 def drawn() -> Drawn:
-    return draw(Rows("figure/force", "scalars", times_of([Place(1, 0, 0)]), np.zeros((1, 3))))
+    return draw(Rows("figure/force", "scalars", times_of([IndexedSample(1, 0, 0)]), np.zeros((1, 3))))
 
 
 @pytest.fixture

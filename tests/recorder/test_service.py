@@ -105,7 +105,7 @@ def test_an_unknown_request_is_refused_with_the_known_ones(tmp_path: Path):
 
 
 def test_the_shell_imports_no_rerun_before_it_starts():
-    code = "import sys, services.recorder.service; sys.exit('rerun' in sys.modules)"
+    code = "import sys, hydrohil.services.recorder.service; sys.exit('rerun' in sys.modules)"
     assert subprocess.run([sys.executable, "-c", code], check=False).returncode == 0
 
 

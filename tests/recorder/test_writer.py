@@ -6,7 +6,8 @@ import pytest
 
 from hydrohil.services.recorder.rows import Rows
 from hydrohil.services.recorder.scene import FORCE, TIP
-from hydrohil.services.recorder.writer import ANSWER_LATENCY, Writer
+from hydrohil.services.recorder.topic_rows import ANSWER_LATENCY
+from hydrohil.services.recorder.writer import Writer
 from hydrohil.shared.contract.codec import Received
 from hydrohil.shared.contract.converters import UNIMATE_ENCODERS
 from hydrohil.shared.contract.messages import Command, ControllerState, InboxCounts, LinkStats, Permit, Sample
@@ -115,7 +116,7 @@ def test_what_answers_a_sample_that_never_came_is_written_without_a_time():
     assert sum(len(r.values) for r in of(written, "topic/controller/command")) == 50 + TARE_TICKS + 30
 
 
-def test_the_answer_latency_is_the_difference_of_the_two_arepoch_conflicts():
+def test_the_answer_latency_is_the_difference_of_the_two_arrivals():
     written: list[Rows] = []
     writer = Writer(written.append)
     sample = next(m for m in trial(1) if isinstance(m.body, Sample))
@@ -125,7 +126,7 @@ def test_the_answer_latency_is_the_difference_of_the_two_arepoch_conflicts():
     assert matrix(written, ANSWER_LATENCY).tolist() == [[2.25]]
 
 
-def test_lanes_are_written_on_change_and_again_where_the_trial_begins():
+def test_states_are_written_on_change_and_again_where_the_trial_begins():
     written = write(list(trial(60, trip_tick=40)))
     told = [(text, rows.times.trial_ns is not None) for rows in of(written, "state/1_supervisor") for text in rows.values]
     assert told == [("disarmed", False), ("armed", True), ("running", True), ("tripped", True)]
@@ -181,7 +182,7 @@ def test_names_are_told_once_and_again_in_the_next_recording():
     writer = Writer(written.append)
     for message in trial(10):
         writer.take(message)
-    writer.begin()
+    writer.begin_recording()
     for message in trial(10):
         writer.take(message)
     writer.flush(everything=True)
