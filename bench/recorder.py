@@ -71,12 +71,23 @@ def numbered(body: Any, number: int, period_ns: int) -> Any:
 def describe(period_ns: int) -> PlantDescription:
     """The machine that this process stands for."""
     lease_ns = 20_000_000
-    machine = ("Unimate MKII-2000", UNIMATE_ENCODERS, UNIMATE_FORCE, UNIMATE_CONVERTERS)
-    return PlantDescription(*machine, period_ns, period_ns * 4 // 5, lease_ns, lease_ns, 420.0, 2, 1.0)
+    return PlantDescription(
+        machine="Unimate MKII-2000",
+        encoders=UNIMATE_ENCODERS,
+        force=UNIMATE_FORCE,
+        converters=UNIMATE_CONVERTERS,
+        sample_period_ns=period_ns,
+        latch_ns=period_ns * 4 // 5,
+        permit_ttl_ns=lease_ns,
+        command_ttl_ns=lease_ns,
+        gate_force_limit_n=420.0,
+        force_axis=2,
+        force_sign=1.0,
+    )
 
 
 def publish_link_stats(buses: dict[str, Bus], number: int) -> None:
-    """What every receiver would tell once a second: the counts of what it hears of the others."""
+    """What every receiver reports once a second: the counts of what it receives from the others."""
     for name, bus in buses.items():
         heard = [topic.key for topic in LOOP_TOPICS if topic.publisher != name and topic.loop]
         counts = tuple(InboxCounts(key, number, *(0,) * (len(InboxCounts._fields) - 2)) for key in heard)

@@ -57,7 +57,19 @@ def test_the_wire_page_lists_every_cause(causes: Any) -> None:
 
 def test_the_frame_printed_is_what_the_codec_makes() -> None:
     key = expression("cell", "controller/command")
-    header = Header(WIRE_VERSION, 5, "cell", 7, b"", "controller", 3, 11, 0, 42, 189_000_000)
+    header = Header(
+        version=WIRE_VERSION,
+        schema=5,
+        cell="cell",
+        run=7,
+        experiment=b"",
+        sender="controller",
+        epoch=3,
+        arming_id=11,
+        seq=0,
+        echo_number=42,
+        echo_time_ns=189_000_000,
+    )
     assert bytes.fromhex(blocks(WIRE, "hex")[0]) == encode(key, header, Command((2048, 2048, 2048)))
 
 
@@ -72,8 +84,35 @@ def still() -> SimpleNamespace:
 
 def sample_frame(arming_id: int = 11) -> bytes:
     zero = (2048, 2048, 2048)
-    sample = Sample(42, 42 * NS_PER_PERIOD, NO_TRIAL, 0, (1, 2, 3, 4, 5), 22, zero, 0, 1, 0, (0, 0, 0), 41, 0, 0)
-    header = Header(WIRE_VERSION, 1, CELL, 0, b"", "plant", 5, arming_id, 42, 42, 42 * NS_PER_PERIOD)
+    sample = Sample(
+        number=42,
+        time_ns=42 * NS_PER_PERIOD,
+        tick=NO_TRIAL,
+        trial_time_ns=0,
+        encoder_counts=(1, 2, 3, 4, 5),
+        force_counts=22,
+        dac_counts=zero,
+        gate=0,
+        gate_cause=1,
+        gate_open_samples=0,
+        recover_signs=(0, 0, 0),
+        command_number=41,
+        command_late_substeps=0,
+        command_age_ns=0,
+    )
+    header = Header(
+        version=WIRE_VERSION,
+        schema=1,
+        cell=CELL,
+        run=0,
+        experiment=b"",
+        sender="plant",
+        epoch=5,
+        arming_id=arming_id,
+        seq=42,
+        echo_number=42,
+        echo_time_ns=42 * NS_PER_PERIOD,
+    )
     return encode(expression(CELL, "plant/sample"), header, sample)
 
 
@@ -117,7 +156,19 @@ def test_the_foreign_controller_echoes_the_hash_of_a_load(still: SimpleNamespace
     key = expression(CELL, f"{ASK.key}/controller")
 
     def ask(verb: str, to: int = controller.epoch, **arguments: str) -> Any:
-        header = Header(WIRE_VERSION, ASK.schema, CELL, 0, b"", "operator", 9, 0, 0, -1, 0)
+        header = Header(
+            version=WIRE_VERSION,
+            schema=ASK.schema,
+            cell=CELL,
+            run=0,
+            experiment=b"",
+            sender="operator",
+            epoch=9,
+            arming_id=0,
+            seq=0,
+            echo_number=-1,
+            echo_time_ns=0,
+        )
         frame = encode(key, header, (verb, json.dumps({"to": to, **arguments}).encode()))
         answer = decode(key, ANSWER, CELL, controller.answer_request(key, frame), 0)
         assert isinstance(answer, Received), answer

@@ -77,7 +77,17 @@ def judged(current, memory, arming_id, permit, flags):
     return gate_step(
         memory,
         LIMITS,
-        GateInput(of_permit, command, current.force_counts, force_n, current.tick, flags.pressed, False, 0, 0),
+        GateInput(
+            permit=of_permit,
+            command=command,
+            force_counts=current.force_counts,
+            force_n=force_n,
+            tick=current.tick,
+            estop=flags.pressed,
+            overrun=False,
+            link_faults=0,
+            epoch_conflicts=0,
+        ),
         True,
     )
 

@@ -20,7 +20,16 @@ LAST = (2048, 2028, 2048)  # at the D/A of an open gate
 GOOD, TOO_FAR, LOADING, OUTSIDE = (2048, 1948, 2048), (2048, 1927, 2048), (2048, 2049, 2048), (2048, 819, 2048)
 REVOKED = (ARMING_ID,) + (0,) * 15
 FRESH = GateMemory()
-RUN = GateMemory(int(GateState.OPEN), 0, LAST, 99, 3, ARMING_ID, SUPERVISOR, CONTROLLER)
+RUN = GateMemory(
+    state=int(GateState.OPEN),
+    cause=0,
+    codes=LAST,
+    command_number=99,
+    open_samples=3,
+    arming_id=ARMING_ID,
+    permit_epoch=SUPERVISOR,
+    command_epoch=CONTROLLER,
+)
 RECOVERING = RUN._replace(state=int(GateState.RECOVERING), recover_signs=SIGNS)
 
 

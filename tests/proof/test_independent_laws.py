@@ -27,7 +27,7 @@ def currents_and_integrals(law, gains, motion, times):
     state, found = AT_REST, []
     for t in times:
         q, q_set, qd, qd_set = motion(t)
-        state, current, _ = law_step(state, gains, law, q, q_set, qd, qd_set, DT_S)
+        state, current, _ = law_step(state=state, gains=gains, law=law, q=q, q_set=q_set, qd=qd, qd_set=qd_set, dt_s=DT_S)
         found.append((current, state.integral_a))
     return np.array(found)
 
@@ -101,10 +101,19 @@ def test_a_boost_sets_the_integral_to_appendix_cs_formula(gains, sign):
     e, rate = sign * 2.5 * gains.error_dead_zone_q, sign * 10.0 * gains.stiction_rate_min_q_per_s
     boost_a = gains.boost_positive_a if sign > 0 else -gains.boost_negative_a
     for charge_a in (0.0, 0.01, -0.02):
-        state, before, boosted = law_step(AT_REST._replace(integral_a=charge_a), gains, LAW_VETIA, 0.0, e, 0.0, rate, DT_S)
+        state, before, boosted = law_step(
+            state=AT_REST._replace(integral_a=charge_a),
+            gains=gains,
+            law=LAW_VETIA,
+            q=0.0,
+            q_set=e,
+            qd=0.0,
+            qd_set=rate,
+            dt_s=DT_S,
+        )
         assert boosted == 1 and abs(before) < gains.boost_below_a
         assert state.integral_a == pytest.approx(boost_a - gains.kp_a_per_q * e, rel=1e-12)
-        _, after, again = law_step(state, gains, LAW_VETIA, 0.0, e, 0.0, rate, DT_S)
+        _, after, again = law_step(state=state, gains=gains, law=LAW_VETIA, q=0.0, q_set=e, qd=0.0, qd_set=rate, dt_s=DT_S)
         alpha = gains.alpha_max_q2_per_s2 * (0.001 + abs(rate) / gains.qd_max_q_per_s)
         charged = (boost_a - gains.kp_a_per_q * e + gains.ki_a_per_q_s * e * DT_S) * alpha / (alpha + rate * rate)
         assert again == 0

@@ -25,7 +25,15 @@ HUGE_NM = 1e12  # friction that locks a link
 def many_steps(state, link, machine, currents, load_tau, inertia, step_s):
     found = np.empty((len(currents), 5))
     for row in range(len(currents)):
-        state = link_step(state, link, machine, currents[row], load_tau, inertia, step_s)
+        state = link_step(
+            state=state,
+            link=link,
+            machine=machine,
+            current_a=currents[row],
+            load_tau=load_tau,
+            inertia_tau_s2_per_q=inertia,
+            step_s=step_s,
+        )
         found[row, 0] = state.q
         found[row, 1] = state.qd
         found[row, 2] = state.spool_a
@@ -83,7 +91,7 @@ def test_one_link_moves_as_its_differential_equations(index, locked):
     times = np.arange(1, round(0.8 / STEP_S) + 1) * STEP_S
     start = LinkState(middle, 0.0, 0.0, 3.4e6, 3.6e6)
     currents = np.array([current_at(t - STEP_S / 2.0) for t in times])
-    got = RUN(start, link, UNIMATE, currents, load_tau, inertia, STEP_S)
+    got = RUN(state=start, link=link, machine=UNIMATE, currents=currents, load_tau=load_tau, inertia=inertia, step_s=STEP_S)
     want = solve_ivp(
         derivatives(link, current_at, load_tau, inertia, locked),
         (0.0, times[-1]),
@@ -122,7 +130,15 @@ def test_a_link_runs_at_the_speed_of_the_orifice_equation(index, current_a):
     q = link.travel_low_q + 0.05 * travel if current_a > 0.0 else link.travel_high_q - 0.05 * travel
     seconds = min(4.0, 0.85 * travel / abs(want))
     start = LinkState(q, 0.0, link.null_bias_a, 3.5e6, 3.5e6)
-    got = RUN(start, link, UNIMATE, np.full(round(seconds / STEP_S), current_a), load_tau, INERTIA[index], STEP_S)
+    got = RUN(
+        state=start,
+        link=link,
+        machine=UNIMATE,
+        currents=np.full(round(seconds / STEP_S), current_a),
+        load_tau=load_tau,
+        inertia=INERTIA[index],
+        step_s=STEP_S,
+    )
     assert np.mean(got[-2000:, 1]) == pytest.approx(want, rel=0.005)
 
 

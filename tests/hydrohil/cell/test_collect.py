@@ -96,7 +96,9 @@ def test_a_trial_of_another_run_leaves_nothing():
 
 
 def event(state: GateState, cause: GateCause, run: int = RUN, measured: float = 0.0, limit: float = 0.0) -> Received:
-    body = GateEvent(90, 5, int(state), int(cause), 0, 0, measured, limit)
+    body = GateEvent(
+        number=90, tick=5, state=int(state), cause=int(cause), permit_age_ns=0, command_age_ns=0, measured=measured, limit=limit
+    )
     return Received(0, "plant/gate", MESSAGES[0].header._replace(run=run), body)
 
 
@@ -148,7 +150,9 @@ def test_what_was_changed_by_hand_in_this_run_is_told_and_neither_the_scheduled_
     head = MESSAGES[-1].header
 
     def changed(number: int, by_hand: int, run: int) -> Received:
-        event = ParameterEvent(number, 3, by_hand, "controller.law", '"final"', '"pi"', 1)
+        event = ParameterEvent(
+            number=number, tick=3, by_hand=by_hand, path="controller.law", old='"final"', new='"pi"', ramp_samples=1
+        )
         return Received(0, "controller/parameter_change", head._replace(run=run), event)
 
     told = [changed(7, 1, RUN), changed(8, 0, RUN), changed(9, 1, RUN + 1)]

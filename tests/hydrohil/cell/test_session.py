@@ -19,7 +19,17 @@ class Cell:
     """Services that take everything; the supervisor tells what its host is qualified for."""
 
     def __init__(self, qualified_period_ns):
-        found = Qualified(qualified_period_ns, "B", "yesterday", PERIOD_NS, 4000, 0.0, 1.0, 1.0, 20.0)
+        found = Qualified(
+            qualified_period_ns=qualified_period_ns,
+            grade="B",
+            measured_at="yesterday",
+            period_ns=PERIOD_NS,
+            samples=4000,
+            late_share=0.0,
+            accepted_p999_us=1.0,
+            wake_up_max_us=1.0,
+            lease_ms=20.0,
+        )
         self.told = None if qualified_period_ns is None else found._asdict()
         self.asked = []
 

@@ -8,20 +8,19 @@ PERIOD_S = 4.5e-3
 def standing(duration_s: float) -> Trace:
     """A rig that stands at zero, sampled every 4.5 ms, both ends included."""
     n = round(duration_s / PERIOD_S) + 1
-    still = np.zeros((n, 3))
     tick = np.arange(n)
+    of_links = ("q", "q_set", "qd", "qd_set", "x_m", "x_set_m", "x_nominal_m", "current_a")
     return Trace(
-        tick,
-        tick * PERIOD_S,
-        *(still.copy() for _ in range(7)),
-        np.zeros(n),
-        np.zeros(n),
-        still.copy(),
-        np.full(n, 2),
-        np.zeros(n),
-        np.zeros((n, 5), dtype=np.int64),
-        np.zeros(n, dtype=np.int64),
-        np.full((n, 3), 2048),
+        tick=tick,
+        t_s=tick * PERIOD_S,
+        force_n=np.zeros(n),
+        force_set_n=np.zeros(n),
+        mode=np.full(n, 2),
+        sample_age_s=np.zeros(n),
+        encoder_counts=np.zeros((n, 5), dtype=np.int64),
+        force_counts=np.zeros(n, dtype=np.int64),
+        dac_counts=np.full((n, 3), 2048),
+        **{name: np.zeros((n, 3)) for name in of_links},
     )
 
 

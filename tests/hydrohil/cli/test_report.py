@@ -96,7 +96,17 @@ def test_what_was_broken_on_purpose_is_said_everywhere():
 
 
 def test_the_report_carries_how_the_host_is_qualified_or_that_it_is_not():
-    found = Qualified(4_500_000, "B", "yesterday", 4_500_000, 4444, 0.0005, 1400.0, 12_000.0, 36.0)._asdict()
+    found = Qualified(
+        qualified_period_ns=4_500_000,
+        grade="B",
+        measured_at="yesterday",
+        period_ns=4_500_000,
+        samples=4444,
+        late_share=0.0005,
+        accepted_p999_us=1400.0,
+        wake_up_max_us=12_000.0,
+        lease_ms=36.0,
+    )._asdict()
     told = [as_json(made) for made in (report()._replace(qualification=found), report(), report()._replace(clock="local"))]
     assert [one["qualification"] for one in told] == [found, None, None]
     assert "qualified for 222.2 Hz, grade B (yesterday)" in told[0]["qualified"]

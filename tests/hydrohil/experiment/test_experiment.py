@@ -21,7 +21,17 @@ from hydrohil.experiment.experiment import (
 )
 from hydrohil.services.controller.config import ControllerConfig, Segment
 
-CLAIM = Claim("it follows", "rms_error", "q2", "below", 0.0, 5.0, "deg", high=0.1, source="none")
+CLAIM = Claim(
+    "it follows",
+    metric="rms_error",
+    channel="q2",
+    comparison="below",
+    start_s=0.0,
+    end_s=5.0,
+    unit="deg",
+    high=0.1,
+    source="none",
+)
 EXPERIMENT = Experiment(
     "a-step",
     "step",

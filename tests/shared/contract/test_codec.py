@@ -202,7 +202,19 @@ def zero(hint):
 @pytest.mark.parametrize("topic", BY_SCHEMA.values(), ids=lambda topic: topic.key)
 def test_no_int_of_a_message_is_larger_than_64_bits_wherever_it_stands(topic):
     key = expression(CELL, topic.key)
-    head = Header(1, topic.schema, CELL, 0, b"", topic.publisher or "anyone", 0, 0, 0, 0, 0)
+    head = Header(
+        version=1,
+        schema=topic.schema,
+        cell=CELL,
+        run=0,
+        experiment=b"",
+        sender=topic.publisher or "anyone",
+        epoch=0,
+        arming_id=0,
+        seq=0,
+        echo_number=0,
+        echo_time_ns=0,
+    )
     for value, taken in ((2**63 - 1, Received), (2**63, Rejected)):
         for body in with_one_int(topic.message, value):
             assert isinstance(decode(key, topic, CELL, sealed([*head, body], key), 0), taken)

@@ -21,7 +21,17 @@ from hydrohil.shared.host.qualified import (
 
 REALLY_HERE = qualified.this_host
 HERE = Host("bench", "boot-1", "6.1", "Xeon", 4)
-FOUND = Qualified(2_000_000, "B", "2026-11-28 02:00:00+00:00", 2_000_000, 10_000, 0.0004, 1400.0, 12_000.0, 36.0)
+FOUND = Qualified(
+    qualified_period_ns=2_000_000,
+    grade="B",
+    measured_at="2026-11-28 02:00:00+00:00",
+    period_ns=2_000_000,
+    samples=10_000,
+    late_share=0.0004,
+    accepted_p999_us=1400.0,
+    wake_up_max_us=12_000.0,
+    lease_ms=36.0,
+)
 
 
 @pytest.fixture(autouse=True)

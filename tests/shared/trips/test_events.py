@@ -38,7 +38,16 @@ def test_an_unknown_mode_is_told_as_its_number():
 
 
 def test_a_revoked_gate_is_an_error_and_a_shut_one_a_warning():
-    event = GateEvent(3, 2, GateState.REVOKED, GateCause.FORCE_ABOVE_LIMIT, 0, 0, 431.9, 420.0)
+    event = GateEvent(
+        number=3,
+        tick=2,
+        state=GateState.REVOKED,
+        cause=GateCause.FORCE_ABOVE_LIMIT,
+        permit_age_ns=0,
+        command_age_ns=0,
+        measured=431.9,
+        limit=420.0,
+    )
     assert gate_event(event).level == "ERROR"
     assert gate_event(event).text == (
         "gate revoked: the raw force reached 431.9 N against the gate's own limit of 420.0 N (sample 3)"
@@ -47,7 +56,9 @@ def test_a_revoked_gate_is_an_error_and_a_shut_one_a_warning():
 
 
 def test_a_gate_that_opens_has_no_cause():
-    event = GateEvent(4, 3, GateState.OPEN, GateCause.NONE, 0, 0, 0.0, 0.0)
+    event = GateEvent(
+        number=4, tick=3, state=GateState.OPEN, cause=GateCause.NONE, permit_age_ns=0, command_age_ns=0, measured=0.0, limit=0.0
+    )
     assert gate_event(event).text == "gate open (sample 4)"
 
 
@@ -72,7 +83,7 @@ def test_a_count_that_grows_is_told_and_the_first_telling_is_the_base():
 
 
 def test_a_parameter_changed_by_hand_is_a_warning_and_a_scheduled_one_is_not():
-    event = ParameterEvent(40, 12, 1, "controller.law", '"final"', '"pi"', 1)
+    event = ParameterEvent(number=40, tick=12, by_hand=1, path="controller.law", old='"final"', new='"pi"', ramp_samples=1)
     assert parameter_event(event) == (
         "controller",
         "WARN",

@@ -13,7 +13,22 @@ def counted(numbers: list[int], epoch: int = 1) -> Counted:
 
 
 def headers(numbers: list[int], epoch: int = 1, sender: str = "plant") -> list[Header]:
-    return [Header(1, 1, "bench", 0, b"", sender, epoch, 0, seq, -1, 0) for seq in numbers]
+    return [
+        Header(
+            version=1,
+            schema=1,
+            cell="bench",
+            run=0,
+            experiment=b"",
+            sender=sender,
+            epoch=epoch,
+            arming_id=0,
+            seq=seq,
+            echo_number=-1,
+            echo_time_ns=0,
+        )
+        for seq in numbers
+    ]
 
 
 def test_the_first_message_opens_the_count_and_misses_nothing():

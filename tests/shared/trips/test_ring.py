@@ -129,7 +129,9 @@ def test_the_newest_counters_of_each_receiver_go_with_it():
 
 
 def changed(by_hand, number):
-    event = ParameterEvent(number, number - 1030, by_hand, "controller.law", '"final"', '"pi"', 1)
+    event = ParameterEvent(
+        number=number, tick=number - 1030, by_hand=by_hand, path="controller.law", old='"final"', new='"pi"', ramp_samples=1
+    )
     return Received(0, "controller/parameter_change", next(iter(tripping(SUPERVISOR))).header, event)
 
 
