@@ -30,7 +30,7 @@ class Grid:
         return (instant_ns - self._origin_ns) // SUBSTEP_NS
 
     def wait(self, substep: int) -> int:
-        """Sleep until `substep` is due; what was overran beyond the slack shifts the grid. Returns the lateness in ns."""
+        """Sleep until `substep` is due; what is overrun beyond the slack shifts the grid. Returns the lateness in ns."""
         late_ns = sleep_until(self.instant_ns(substep))
         if late_ns > SLACK_NS:
             self._origin_ns += late_ns
