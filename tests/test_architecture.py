@@ -232,27 +232,13 @@ def test_the_loop_reads_no_wall_clock():
 
 # Folders whose calls are not all by keyword yet.
 NOT_YET = {
-    "hydrohil/cell",
-    "hydrohil/cli",
     "services/controller",
     "services/plant",
     "services/supervisor",
     "shared/contract",
-    "shared/transport",
-    "shared/trips",
-    "tests",
     "tests/controller",
-    "tests/hydrohil/cell",
-    "tests/hydrohil/claims",
-    "tests/hydrohil/cli",
-    "tests/hydrohil/experiment",
     "tests/plant",
-    "tests/proof",
-    "tests/shared/contract",
-    "tests/shared/host",
-    "tests/shared/trips",
     "tests/supervisor",
-    "tests/support",
 }
 
 
