@@ -6,7 +6,7 @@ from typing import Annotated, Literal, NamedTuple, Protocol
 from annotated_types import Ge, MinLen
 
 from hydrohil.claims.metrics import METRICS, Dimension, MetricName
-from hydrohil.claims.signals import LINKS, ChannelName
+from hydrohil.claims.signals import JOINTS, ChannelName
 from hydrohil.claims.trace import Trace, window
 from hydrohil.shared.units import A_PER_MA, RAD_PER_DEG
 
@@ -121,7 +121,7 @@ def dimension(metric: MetricName, channel: ChannelName) -> Dimension:
         return known
     if channel == "force":
         return "force"
-    return "angle" if channel in LINKS[:2] else "length"
+    return "angle" if channel in JOINTS[:2] else "length"
 
 
 def problems(claim: Claim, duration_s: float) -> list[tuple[str, str]]:

@@ -5,10 +5,10 @@ from typing import NamedTuple
 import numpy as np
 
 from hydrohil.claims.motion import MOTION_COUNTS
-from hydrohil.claims.signals import COUNT_RAD, LINKS, NAN, ChannelName, count_size, measured, set_point
+from hydrohil.claims.signals import COUNT_Q, JOINTS, NAN, ChannelName, count_size, measured, set_point
 from hydrohil.claims.trace import Reals, Trace
 
-COUNT_AT_1_M = COUNT_RAD[1]  # what a count of the down/up link moves the tip by, in m, at the lever of 1 m
+COUNT_AT_1_M = COUNT_Q[1]  # what a count of the down/up link moves the tip by, in m, at the lever of 1 m
 
 
 class Turn(NamedTuple):
@@ -35,7 +35,7 @@ def turns(values: Reals, least: float) -> list[Turn]:
 
 def _turns(trace: Trace, channel: ChannelName) -> list[Turn]:
     """Turns by two counts or more: a single one may be the edge of a step."""
-    count = count_size(channel) if channel in LINKS else COUNT_AT_1_M
+    count = count_size(channel) if channel in JOINTS else COUNT_AT_1_M
     return turns(measured(trace, channel), MOTION_COUNTS * count)
 
 

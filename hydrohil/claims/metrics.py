@@ -28,7 +28,7 @@ from hydrohil.claims.motion import (
     settling_time_s,
 )
 from hydrohil.claims.noise import setpoint_noise
-from hydrohil.claims.signals import AXES, CHANNELS, LINKS, ChannelName
+from hydrohil.claims.signals import AXES, CHANNELS, JOINTS, ChannelName
 from hydrohil.claims.trace import Trace
 from hydrohil.claims.tracking import (
     cycle_ratio,
@@ -111,22 +111,22 @@ class Metric(NamedTuple):
 
 
 _FORCE: tuple[ChannelName, ...] = ("force",)
-_POSITIONS: tuple[ChannelName, ...] = (*LINKS, *AXES)
+_POSITIONS: tuple[ChannelName, ...] = (*JOINTS, *AXES)
 METRICS: dict[MetricName, Metric] = {
     "rms_error": Metric(rms_error, "channel", CHANNELS),
     "max_error": Metric(max_error, "channel", CHANNELS),
     "relative_error": Metric(relative_error, "number", CHANNELS),
     "steady_error": Metric(steady_error, "number", CHANNELS),
-    "steady_error_counts": Metric(steady_error_counts, "number", LINKS),
+    "steady_error_counts": Metric(steady_error_counts, "number", JOINTS),
     "overshoot": Metric(overshoot, "channel", CHANNELS),
     "peak_to_peak": Metric(peak_to_peak, "channel", CHANNELS),
-    "peak_to_peak_counts": Metric(peak_to_peak_counts, "number", LINKS),
+    "peak_to_peak_counts": Metric(peak_to_peak_counts, "number", JOINTS),
     "peak_to_peak_ratio": Metric(peak_to_peak_ratio, "number", CHANNELS),
     "cycle_ratio": Metric(cycle_ratio, "number", CHANNELS),
-    "first_delay_s": Metric(first_delay_s, "time", LINKS),
-    "longest_delay_s": Metric(longest_delay_s, "time", LINKS),
-    "first_motion_s": Metric(first_motion_s, "time", LINKS),
-    "error_rate_to_error": Metric(error_rate_to_error, "rate", LINKS),
+    "first_delay_s": Metric(first_delay_s, "time", JOINTS),
+    "longest_delay_s": Metric(longest_delay_s, "time", JOINTS),
+    "first_motion_s": Metric(first_motion_s, "time", JOINTS),
+    "error_rate_to_error": Metric(error_rate_to_error, "rate", JOINTS),
     "error_integral_to_error": Metric(error_integral_to_error, "time", CHANNELS),
     "final_change": Metric(final_change, "channel", CHANNELS),
     "period_s": Metric(period_s, "time", CHANNELS),
@@ -143,14 +143,14 @@ METRICS: dict[MetricName, Metric] = {
     "retreat": Metric(retreat, "channel", CHANNELS),
     "spikes": Metric(spikes, "number", _FORCE),
     "contacts": Metric(contacts, "number", _FORCE),
-    "control_reversals": Metric(control_reversals, "number", LINKS),
-    "control_swings": Metric(control_swings, "number", LINKS),
-    "control_rms": Metric(control_rms, "current", LINKS),
-    "control_peak": Metric(control_peak, "current", LINKS),
-    "control_noise": Metric(control_noise, "current", LINKS),
-    "braking_control_ratio": Metric(braking_control_ratio, "number", LINKS),
+    "control_reversals": Metric(control_reversals, "number", JOINTS),
+    "control_swings": Metric(control_swings, "number", JOINTS),
+    "control_rms": Metric(control_rms, "current", JOINTS),
+    "control_peak": Metric(control_peak, "current", JOINTS),
+    "control_noise": Metric(control_noise, "current", JOINTS),
+    "braking_control_ratio": Metric(braking_control_ratio, "number", JOINTS),
     "upward_error_ratio": Metric(upward_error_ratio, "number", _FORCE),
-    "upward_swing_ratio": Metric(upward_swing_ratio, "number", LINKS),
+    "upward_swing_ratio": Metric(upward_swing_ratio, "number", JOINTS),
     "cycles": Metric(cycles, "number", _POSITIONS),
     "cycle_amplitude": Metric(cycle_amplitude, "channel", _POSITIONS),
     "cycle_period_s": Metric(cycle_period_s, "time", _POSITIONS),

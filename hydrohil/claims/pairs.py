@@ -9,7 +9,7 @@ from annotated_types import Ge
 
 from hydrohil.claims.claims import UNITS, Comparison, Unit, Verdict, reaches, verdict
 from hydrohil.claims.metrics import METRICS, MetricName
-from hydrohil.claims.signals import LINKS, ChannelName, control, measured, rms
+from hydrohil.claims.signals import JOINTS, ChannelName, control, measured, rms
 from hydrohil.claims.trace import Reals, Trace, window
 
 PairMeasure = Literal["metric_ratio", "correlation", "rms_difference", "control_correlation"]
@@ -77,7 +77,7 @@ def pair_problems(claim: PairClaim) -> list[str]:
     found = []
     if (claim.metric is not None) != (claim.measure == "metric_ratio"):
         found.append("metric belongs to metric_ratio, and to nothing else")
-    if claim.measure == "control_correlation" and claim.channel not in LINKS:
+    if claim.measure == "control_correlation" and claim.channel not in JOINTS:
         found.append("control_correlation is defined on q1, q2, q3")
     if not claim.start_s < claim.end_s:
         found.append("end_s must lie after start_s")

@@ -9,12 +9,12 @@ from hydrohil.claims.trace import Integers, Reals, Trace
 from hydrohil.shared.contract.converters import UNIMATE_ENCODERS
 
 ChannelName = Literal["q1", "q2", "q3", "x", "y", "z", "force"]
-LINKS: tuple[ChannelName, ...] = ("q1", "q2", "q3")
+JOINTS: tuple[ChannelName, ...] = ("q1", "q2", "q3")
 AXES: tuple[ChannelName, ...] = ("x", "y", "z")
 CHANNELS: tuple[ChannelName, ...] = get_args(ChannelName)
 
 _ROTATE, _DOWN_UP, _OUT_IN, _, _ = UNIMATE_ENCODERS
-COUNT_RAD = (abs(_ROTATE.scale), abs(_DOWN_UP.scale), abs(_OUT_IN.scale))  # third in m
+COUNT_Q = (abs(_ROTATE.scale), abs(_DOWN_UP.scale), abs(_OUT_IN.scale))  # third in m
 NAN = float("nan")  # a window that does not determine a number
 TAIL = 0.1  # the last tenth of a window gives its final value
 STILL = 1e-9  # a set-point that changes by less from sample to sample stands still (rad, m, N)
@@ -24,8 +24,8 @@ def measured(trace: Trace, channel: ChannelName) -> Reals:
     """(n,) what the rig read on `channel`."""
     if channel == "force":
         return trace.force_n
-    if channel in LINKS:
-        return trace.q[:, LINKS.index(channel)]
+    if channel in JOINTS:
+        return trace.q[:, JOINTS.index(channel)]
     return trace.x_m[:, AXES.index(channel)]
 
 
@@ -33,8 +33,8 @@ def set_point(trace: Trace, channel: ChannelName) -> Reals:
     """(n,) the set-point of `channel`: q_s, the modified x_s, or F_d."""
     if channel == "force":
         return trace.force_set_n
-    if channel in LINKS:
-        return trace.q_set[:, LINKS.index(channel)]
+    if channel in JOINTS:
+        return trace.q_set[:, JOINTS.index(channel)]
     return trace.x_set_m[:, AXES.index(channel)]
 
 
@@ -50,12 +50,12 @@ def error(trace: Trace, channel: ChannelName) -> Reals:
 
 def control(trace: Trace, link: ChannelName) -> Reals:
     """(n,) current in A that the law commands a link's valve."""
-    return trace.current_a[:, LINKS.index(link)]
+    return trace.current_a[:, JOINTS.index(link)]
 
 
 def count_size(link: ChannelName) -> float:
     """Resolution of a link's encoder in rad (link 3: m)."""
-    return COUNT_RAD[LINKS.index(link)]
+    return COUNT_Q[JOINTS.index(link)]
 
 
 def final_value(values: Reals) -> float:

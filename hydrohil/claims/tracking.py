@@ -2,7 +2,7 @@
 
 import numpy as np
 
-from hydrohil.claims.signals import LINKS, NAN, ChannelName, count_size, error, measured, moves, rms, set_point
+from hydrohil.claims.signals import JOINTS, NAN, ChannelName, count_size, error, measured, moves, rms, set_point
 from hydrohil.claims.trace import Trace, rows
 
 HIGH_FORCE_N = 200.0  # "contact forces exceeded 200 N" (thesis 5.7)
@@ -63,7 +63,7 @@ def cycle_ratio(trace: Trace, channel: ChannelName) -> float:
 
 def error_rate_to_error(trace: Trace, channel: ChannelName) -> float:
     """Largest velocity error over largest position error of a link, in 1/s."""
-    link = LINKS.index(channel)
+    link = JOINTS.index(channel)
     rate = np.max(np.abs(trace.qd_set[:, link] - trace.qd[:, link]))
     largest = max_error(trace, channel)
     return float(rate) / largest if largest > 0.0 else NAN

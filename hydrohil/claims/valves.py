@@ -2,7 +2,7 @@
 
 import numpy as np
 
-from hydrohil.claims.signals import LINKS, NAN, ChannelName, alternations, control, moves, rms, swings
+from hydrohil.claims.signals import JOINTS, NAN, ChannelName, alternations, control, moves, rms, swings
 from hydrohil.claims.trace import Trace
 from hydrohil.shared.units import A_PER_MA
 
@@ -45,7 +45,7 @@ def control_noise(trace: Trace, channel: ChannelName) -> float:
 
 def braking_control_ratio(trace: Trace, channel: ChannelName) -> float:
     """rms valve current while the set-point of a link slows down over that while it speeds up."""
-    speed = trace.qd_set[:, LINKS.index(channel)]
+    speed = trace.qd_set[:, JOINTS.index(channel)]
     power, current = speed * np.gradient(speed, trace.t_s), control(trace, channel)
     braking, driving = current[power < 0.0], current[power > 0.0]
     return rms(braking) / rms(driving) if len(braking) and len(driving) and rms(driving) > 0.0 else NAN

@@ -41,7 +41,7 @@ Router = Annotated[
 ]
 Settings = Annotated[
     list[str] | None,
-    typer.Option("--set", metavar="PATH=VALUE", help="Change one value, as TOML: controller.acting=[true,false,true]."),
+    typer.Option("--set", metavar="PATH=VALUE", help="Change one value, as TOML: controller.acting.rotate=false."),
 ]
 Injected = Annotated[
     list[str] | None,

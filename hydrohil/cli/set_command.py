@@ -25,7 +25,7 @@ def set_parameters(
 
     Exit status: 2 a name, a value or the moment is refused, 5 no cell.
 
-    Example: `hydrohil set controller.gains.down_up.kp_a_per_q=3.0 controller.law=pi`
+    Example: `hydrohil set controller.gains.down_up.kp_a_per_rad=3.0 controller.law=pi`
     """
     with attached(cell, port, refused=EXIT_USAGE) as found:
         answer = found.set_parameters(assignments)

@@ -8,6 +8,7 @@ import typer
 
 from hydrohil.cli.experiment_commands import experiment_of
 from hydrohil.cli.options import STUDIES, Settings, app, console, fail, make_folders, writing
+from hydrohil.shared.contract.faults import LINKS
 from hydrohil.shared.exit_status import EXIT_USAGE
 
 if TYPE_CHECKING:
@@ -16,13 +17,13 @@ if TYPE_CHECKING:
     from hydrohil.experiment.experiment import Experiment
     from hydrohil.tuning.bench import Step
 
-LINKS = {"1": (0,), "2": (1,), "3": (2,), "all": (0, 1, 2)}
+CHOICES = {**{name: (number,) for number, name in enumerate(LINKS)}, "all": (0, 1, 2)}
 
 
 @app.command(rich_help_panel=STUDIES)
 def tune(
     name: Annotated[str, typer.Argument(help="Experiment whose plant is tuned: name, alias, or a TOML file.")] = "fig-4-25",
-    link: Annotated[str, typer.Option(help="1 (left/right), 2 (down/up), 3 (out/in) or all.")] = "all",
+    link: Annotated[str, typer.Option(help="rotate, down_up, out_in or all.")] = "all",
     settings: Settings = None,
     seeds: Annotated[int, typer.Option(min=1, max=100, help="Noise seeds of each trial; the worst decides.")] = 3,
     json_file: Annotated[Path | None, typer.Option("--json", help="Write gains and evidence.")] = None,
@@ -35,18 +36,18 @@ def tune(
 
     Exit status: 0 tuned, 1 a step found no acceptable value, 2 usage.
 
-    Examples: `hydrohil tune --link 2`,
-    `hydrohil tune --set plant.machine.down_up.breakaway_tau=940.0 --toml mine.toml; hydrohil run mine.toml --clock local`
+    Examples: `hydrohil tune --link down_up`,
+    `hydrohil tune --set plant.machine.down_up.breakaway_nm=940.0 --toml mine.toml; hydrohil run mine.toml --clock local`
     """
     from hydrohil.cli import tune_report as reports
     from hydrohil.experiment.errors import ExperimentError
 
-    if link not in LINKS:
-        raise fail(f"--link is {link!r}: expected 1, 2, 3 or all", EXIT_USAGE)
+    if link not in CHOICES:
+        raise fail(f"--link is {link!r}: expected {', '.join(CHOICES)}; links go by name", EXIT_USAGE)
     make_folders(json_file, toml_file)
     experiment = experiment_of(name, settings)
     try:
-        report = _tune(experiment, LINKS[link], seeds)
+        report = _tune(experiment, CHOICES[link], seeds)
     except ExperimentError as error:
         raise fail(error, EXIT_USAGE) from None
     except KeyboardInterrupt:

@@ -11,13 +11,14 @@ from rich.table import Table
 from hydrohil.experiment.experiment import Experiment, to_toml
 from hydrohil.experiment.sections import LinkGains
 from hydrohil.shared.compiled.kernel import source_version
+from hydrohil.shared.contract.faults import LINKS
+from hydrohil.shared.contract.link_units import written_name
 from hydrohil.shared.exit_status import EXIT_CLAIM, EXIT_OK
 from hydrohil.tuning.bench import Criteria, Step, rad_per_unit, unit
 from hydrohil.tuning.compare import Compared, compare, reference
 from hydrohil.tuning.procedure import LinkTuning
 
 WHOLE_FROM = 1000.0  # numbers from here on are shown without decimals
-LINK_TITLES = ("link 1, left/right", "link 2, down/up", "link 3, out/in")
 
 
 class TuneReport(NamedTuple):
@@ -38,14 +39,13 @@ class TuneReport(NamedTuple):
 
 def tuned_experiment(report: TuneReport) -> Experiment:
     """The experiment with the gains of every link that was tuned."""
-    experiment, gains = report.experiment, list(report.experiment.controller.gains)
-    for link in report.links:
-        gains[link.link] = link.gains or gains[link.link]
+    experiment = report.experiment
+    tuned = {LINKS[link.link]: link.gains for link in report.links if link.gains is not None}
     return experiment._replace(
         name=f"{experiment.name}-tuned",
         alias=f"{experiment.alias}-tuned",
         title=f"{experiment.title}, tuned gains",
-        controller=experiment.controller._replace(gains=(gains[0], gains[1], gains[2])),
+        controller=experiment.controller._replace(gains=experiment.controller.gains._replace(**tuned)),
     )
 
 
@@ -64,7 +64,7 @@ def show_step(console: Console, link: int, step: Step) -> None:
     for row in step.rows:
         table.add_row(*(cell(value) for value in row))
     colour = "red" if step.gains is None else "green"
-    console.print(f"[bold]{LINK_TITLES[link]}, step {step.number}: {step.title}[/]\n{step.rule}", highlight=False)
+    console.print(f"[bold]{LINKS[link]}, step {step.number}: {step.title}[/]\n{step.rule}", highlight=False)
     console.print(table)
     console.print(f"[{colour}]{step.decision}[/]\n", highlight=False)
 
@@ -81,12 +81,12 @@ def show(console: Console, report: TuneReport) -> None:
         if link.gains is None:
             failed = link.steps[-1]
             console.print(
-                f"[red bold]{LINK_TITLES[link.link]}: step {failed.number} found no acceptable value[/]: {failed.decision}",
+                f"[red bold]{LINKS[link.link]}: step {failed.number} found no acceptable value[/]: {failed.decision}",
                 highlight=False,
             )
             continue
         name, rows = compared(report, link)
-        console.print(f"[bold]{LINK_TITLES[link.link]}[/]", highlight=False)
+        console.print(f"[bold]{LINKS[link.link]}[/]", highlight=False)
         table = Table("gain", "unit", "tuned", name, "ratio", "why different")
         for row in rows:
             table.add_row(row.gain, row.unit, cell(row.tuned), cell(row.reference), f"{row.ratio:.2f}", row.why)
@@ -122,12 +122,14 @@ def plain(report: TuneReport) -> dict[str, Any]:
 def _link(report: TuneReport, link: LinkTuning) -> dict[str, Any]:
     name, rows = compared(report, link)
     return {
-        "link": link.link + 1,
+        "link": LINKS[link.link],
         "steps": [_step(step) for step in link.steps],
-        "gains": None if link.gains is None else _si(link.gains),
+        "gains": None if link.gains is None else _si(link.gains, LINKS[link.link]),
         "compared_with": name,
         "compared": [row._asdict() | {"ratio": _number(row.ratio)} for row in rows],
-        "worth": [{name: _number(value) for name, value in one._asdict().items()} for one in link.worth],
+        "worth": [
+            {written_name(name, LINKS[link.link]): _number(value) for name, value in one._asdict().items()} for one in link.worth
+        ],
     }
 
 
@@ -136,8 +138,8 @@ def _step(step: Step) -> dict[str, Any]:
     return {"number": step.number, "title": step.title, "rule": step.rule, "evidence": rows, "decision": step.decision}
 
 
-def _si(gains: LinkGains) -> dict[str, float]:
-    return {name: float(value) for name, value in gains._asdict().items()}
+def _si(gains: LinkGains, link: str) -> dict[str, float]:
+    return {written_name(name, link): float(value) for name, value in gains._asdict().items()}
 
 
 def _number(value: Any) -> Any:

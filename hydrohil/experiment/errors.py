@@ -1,16 +1,17 @@
 """What is wrong with an experiment, in one clear line a problem: where, value, unit, what was expected, what to do."""
 
 import json
-import re
 from collections.abc import Iterable, Sequence
-from types import NoneType, UnionType
-from typing import Annotated, Any, NamedTuple, get_args, get_origin, get_type_hints
+from typing import Any, NamedTuple
 
 from hydrohil.shared.contract.assignments import nearest
+from hydrohil.shared.contract.faults import LINKS
+from hydrohil.shared.contract.link_units import written_location, written_name
+from hydrohil.shared.contract.schema import child, field_names
 from hydrohil.shared.errors import HydrohilError
 
 _UNIT_WORDS = {
-    **dict.fromkeys(("m", "m2", "m3", "s", "s2", "kg", "rad", "rad2", "deg", "q", "q2", "tau"), ""),
+    **dict.fromkeys(("m", "m2", "m3", "s", "s2", "kg", "rad", "rad2", "deg"), ""),
     "n": "N",
     "nm": "N m",
     "nms": "N m s",
@@ -43,7 +44,7 @@ def unreadable(path: object, reason: OSError | UnicodeDecodeError) -> Experiment
 
 
 def unit_of(field: str) -> str:
-    """Unit that a field's suffix states: `kp_a_per_q` is in A/q; empty if it states none."""
+    """Unit that a field's suffix states: `kp_a_per_rad` is in A/rad; empty if it states none."""
     words = field.split("_")
     tail: list[str] = []
     while words and (words[-1] in _UNIT_WORDS or (words[-1] == "per" and tail)):
@@ -55,32 +56,17 @@ def unit_of(field: str) -> str:
 
 
 def dotted(location: Location) -> str:
-    """`("controller", "gains", 1)` as `controller.gains.1`."""
+    """`("reference", 1)` as `reference.1`."""
     return ".".join(str(part) for part in location)
 
 
 def names_at(schema: Any, location: Location) -> tuple[str, ...]:
-    """Field names of the tuple type that `location` leads to, empty where it leads elsewhere."""
+    """Names that a user may write in the table that `location` leads to, none where it leads elsewhere."""
     for part in location:
-        schema = _child(schema, part)
-    return tuple(name.rstrip("_") for name in getattr(_bare(schema), "_fields", ()))  # `from_`: a keyword of Python
-
-
-def _bare(schema: Any) -> Any:
-    """Without annotations and without "or None"."""
-    if get_origin(schema) is Annotated or (get_origin(schema) is UnionType and get_args(schema)[-1] is NoneType):
-        return _bare(get_args(schema)[0])
-    return schema
-
-
-def _child(schema: Any, part: str | int) -> Any:
-    bare = _bare(schema)
-    if get_origin(bare) is dict:
-        return get_args(bare)[1]
-    if isinstance(part, int):
-        arguments = get_args(bare) or (None,)
-        return arguments[0] if arguments[-1] is Ellipsis else arguments[min(part, len(arguments) - 1)]
-    return get_type_hints(bare, include_extras=True).get(part) if hasattr(bare, "_fields") else None
+        schema = child(schema, part)
+    names = (name.rstrip("_") for name in field_names(schema))  # `from_`: a keyword of Python
+    link = location[-1] if location else ""
+    return tuple(written_name(name, link) if link in LINKS else name for name in names)
 
 
 class Problem(NamedTuple):
@@ -94,8 +80,8 @@ class Problem(NamedTuple):
 
 def line(where: str, problem: Problem, schema: Any) -> str:
     """The problem in words; `where` is the file or the command line."""
-    location, name = problem.location, dotted(problem.location)
-    known = names_at(schema, location[:-1])
+    location = written_location(problem.location)
+    name, known = dotted(location), names_at(schema, location[:-1])
     if problem.kind in ("extra_forbidden", "unexpected_keyword_argument"):
         return f"{where}: {name} is no field: remove it or use one of {nearest(str(location[-1]), known)}"
     if problem.kind in ("missing", "missing_argument"):
@@ -113,10 +99,10 @@ def _shown(value: Any, location: Location) -> str:
 
 
 def _unit_at(location: Location) -> str:
-    name = next((part for part in reversed(location) if isinstance(part, str)), "")
-    slides = 2 in location or "out_in" in location
-    joint, force = ("m", "N") if slides else ("rad", "N m")
-    return re.sub(r"\btau\b", force, re.sub(r"\bq(2?)\b", rf"{joint}\1", unit_of(name)))
+    """Unit of the value at `location`: `initial_q` of `out_in` is in m."""
+    names = [part for part in location if isinstance(part, str)]
+    link = names.pop() if len(names) > 1 and names[-1] in LINKS else ""
+    return unit_of(written_name(names[-1], link) if link else names[-1]) if names else ""
 
 
 def _in_unit(location: Location) -> str:

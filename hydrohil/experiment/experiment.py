@@ -22,8 +22,9 @@ from hydrohil.services.controller.preflight import preflight
 from hydrohil.services.plant.config import PlantConfig, latch_substeps, trial_ticks
 from hydrohil.services.plant.params import contact_params
 from hydrohil.services.supervisor.config import SupervisorConfig
-from hydrohil.shared.contract.assignments import plain_of, put
+from hydrohil.shared.contract.assignments import put
 from hydrohil.shared.contract.faults import Fault, trial_problems
+from hydrohil.shared.contract.link_units import as_fields, plain_of
 from hydrohil.shared.units import SUBSTEP_NS
 
 Name = Annotated[str, StringConstraints(pattern=r"^[a-z0-9]+(-[a-z0-9]+)*$")]
@@ -79,9 +80,11 @@ _ADAPTER: TypeAdapter[Experiment] = TypeAdapter(Experiment, config=ConfigDict(al
 def from_plain(plain: Any, where: str) -> Experiment:
     """Validate plain data strictly: no text becomes a number. Raises ExperimentError; `where` names the origin."""
     try:
-        data = json.dumps(plain)
+        data = json.dumps(as_fields(plain, Experiment))
     except TypeError as reason:
         raise ExperimentError([f"{where}: {reason}: use text, numbers, true or false, lists and tables"]) from None
+    except ValueError as reason:
+        raise ExperimentError([f"{where}: {reason}"]) from None
     try:
         experiment = _ADAPTER.validate_json(data, strict=True)
     except ValidationError as refused:

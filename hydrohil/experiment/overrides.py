@@ -1,4 +1,4 @@
-"""Changes to an experiment from the command line: `controller.law=pi`, `controller.gains.down_up.kp_a_per_q=9.0`."""
+"""Changes to an experiment from the command line: `controller.law=pi`, `controller.gains.down_up.kp_a_per_rad=9.0`."""
 
 from collections.abc import Sequence
 from typing import Any

@@ -4,6 +4,7 @@ Packages above take them from here, so that only this package knows in which ser
 """
 
 from hydrohil.services.controller.config import (
+    ActingLinks,
     AdaptationConfig,
     ControllerConfig,
     ImpedanceConfig,
@@ -12,8 +13,8 @@ from hydrohil.services.controller.config import (
     Segment,
 )
 from hydrohil.services.controller.parameter_schedule import scheduled
-from hydrohil.services.controller.params import DOWN_UP_GAINS, UNIMATE_GAINS, LinkGains
-from hydrohil.services.plant.config import GateLimits, PlantConfig, latch_substeps, tare_ticks
+from hydrohil.services.controller.params import DOWN_UP_GAINS, UNIMATE_GAINS, Gains, LinkGains
+from hydrohil.services.plant.config import GateLimits, PlantConfig, StartPosition, latch_substeps, tare_ticks
 from hydrohil.services.plant.params import UNIMATE, Environment, MachineParams
 from hydrohil.services.supervisor.config import SupervisorConfig
 
@@ -21,9 +22,11 @@ __all__ = [
     "DOWN_UP_GAINS",
     "UNIMATE",
     "UNIMATE_GAINS",
+    "ActingLinks",
     "AdaptationConfig",
     "ControllerConfig",
     "Environment",
+    "Gains",
     "GateLimits",
     "ImpedanceConfig",
     "LinkGains",
@@ -32,6 +35,7 @@ __all__ = [
     "Reference",
     "ScheduledChange",
     "Segment",
+    "StartPosition",
     "SupervisorConfig",
     "latch_substeps",
     "scheduled",

@@ -105,7 +105,7 @@ def _by(seed: int, experiment: Experiment, cause: TripCause) -> Trial:
 
 def beyond_joint(seed: int) -> Trial:
     """The swing passes a joint limit that is tightened to lie within it."""
-    high = (SWING.supervisor.joint_high_q[0], HIGH_RAD, SWING.supervisor.joint_high_q[2])
+    high = SWING.supervisor.joint_high_q._replace(down_up=HIGH_RAD)
     experiment = SWING._replace(duration_s=IMPACT_S, supervisor=SWING.supervisor._replace(joint_high_q=high))
     return limit_trial(seed, experiment, lambda rows: rows.q[:, 1] > HIGH_RAD, _one_period)
 

@@ -28,15 +28,15 @@ PRESSING = (  # each on its own; hard and soft, light and heavy, loose and stiff
     ("controller.impedance.stiffness_n_per_m=20e3",),
     ("controller.impedance.stiffness_n_per_m=100e3", "controller.impedance.mass_kg=1000"),
     ("controller.impedance.mass_kg=200", "controller.impedance.damping_ratio=2"),
-    ("controller.gains.down_up.kp_a_per_q=6", "controller.gains.down_up.ki_a_per_q_s=30"),
-    ("controller.gains.down_up.kp_a_per_q=20", "controller.gains.rotate.kp_a_per_q=2"),
+    ("controller.gains.down_up.kp_a_per_rad=6", "controller.gains.down_up.ki_a_per_rad_s=30"),
+    ("controller.gains.down_up.kp_a_per_rad=20", "controller.gains.rotate.kp_a_per_rad=2"),
 )
 LAWS = ("pi", "vetia", "deadband", "morse", "hysteresis", "robust", "torque", "final")
 EVERY_S = 0.7  # longer than the tight samples after a switch, shorter than half a period of the swing
 HELD_CODES = 1  # a law that takes over holds the accepted current, which the converter truncates
 SETTLED_S = 0.5  # after what was changed last
 REFUSED = (
-    "controller.gains.down_up.kp_a_per_q=-0.001",
+    "controller.gains.down_up.kp_a_per_rad=-0.001",
     "controller.impedance.stiffness_n_per_m=10000001",
     "controller.impedance.stiffness_n_per_m=nan",
     "controller.law=bang",

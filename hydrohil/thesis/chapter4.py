@@ -9,7 +9,7 @@ from typing import Literal, NamedTuple
 
 from hydrohil.claims.pairs import PairClaim
 from hydrohil.experiment.experiment import Experiment
-from hydrohil.experiment.sections import ControllerConfig, PlantConfig, Segment
+from hydrohil.experiment.sections import ControllerConfig, PlantConfig, Segment, StartPosition
 from hydrohil.shared.units import RAD_PER_DEG
 from hydrohil.thesis import claims4
 
@@ -81,7 +81,9 @@ def experiment(law: Law, pattern: Pattern) -> Experiment:
         title=f"{LAW_TITLES[law]}, {words} pattern",
         source=f"thesis figure {figure}" if figure else "thesis 4.5.1, in words",
         duration_s=trajectory.duration_s,
-        plant=PlantConfig(initial_q=(0.0, trajectory.start_deg * RAD_PER_DEG, Q3_M), jitter_substeps=JITTER_SUBSTEPS),
+        plant=PlantConfig(
+            initial_q=StartPosition(down_up=trajectory.start_deg * RAD_PER_DEG, out_in=Q3_M), jitter_substeps=JITTER_SUBSTEPS
+        ),
         controller=ControllerConfig(law=law, target="joint"),
         reference=trajectory.reference,
         claims=claims4.CLAIMS[descriptive],

@@ -9,12 +9,22 @@ import math
 
 from hydrohil.claims.pairs import PairClaim
 from hydrohil.experiment.experiment import Experiment
-from hydrohil.experiment.sections import UNIMATE, ControllerConfig, Environment, ImpedanceConfig, PlantConfig, Segment
+from hydrohil.experiment.sections import (
+    UNIMATE,
+    ActingLinks,
+    ControllerConfig,
+    Environment,
+    ImpedanceConfig,
+    PlantConfig,
+    Segment,
+    StartPosition,
+)
 from hydrohil.thesis import claims5
 
 JITTER_SUBSTEPS = 10  # 4.5 ms on average, "in (4, 5]": the program waited a whole number of milliseconds
 Q3_M = 0.212  # the tip is 1 m out, the lever at which the gains were tuned
-START_Q = (0.0, 0.0, Q3_M)
+START = StartPosition(out_in=Q3_M)
+DOWN_UP_ALONE = ActingLinks(rotate=False, out_in=False)
 TIP_X_M = Q3_M + UNIMATE.d3_offset_m  # of that pose, with the tool straight down
 TIP_Z_M = UNIMATE.a2_m - UNIMATE.a4_m
 PRELOAD_N = 12.0  # light contact: more than the gauge's noise, far below the 60 N that a bias may be
@@ -27,7 +37,7 @@ STEP_S = 0.5  # instant of a force step
 
 def sampled(environment: Environment) -> PlantConfig:
     """The machine in its start pose, sampled as in the thesis."""
-    return PlantConfig(environment=environment, initial_q=START_Q, jitter_substeps=JITTER_SUBSTEPS)
+    return PlantConfig(environment=environment, initial_q=START, jitter_substeps=JITTER_SUBSTEPS)
 
 
 def plate(stiffness_n_per_m: float, preload_n: float, below_m: float = 0.0) -> PlantConfig:

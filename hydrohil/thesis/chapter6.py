@@ -16,7 +16,7 @@ from typing import Literal
 from hydrohil.experiment.experiment import Experiment
 from hydrohil.experiment.sections import ControllerConfig, Environment, ImpedanceConfig, Segment
 from hydrohil.thesis import claims6, claims7
-from hydrohil.thesis.chapter5 import PRELOAD_N, SOFT_ESTIMATE_N_PER_M, SOFT_N_PER_M, plate, sampled
+from hydrohil.thesis.chapter5 import DOWN_UP_ALONE, PRELOAD_N, SOFT_ESTIMATE_N_PER_M, SOFT_N_PER_M, plate, sampled
 
 REFERENCE = (Segment("force", "step", claims6.STEP_S, amount=claims6.STEP_N),)
 MASS_KG, NET_DAMPING = 500.0, 3.0
@@ -36,7 +36,7 @@ def equivalence(figure: str, target: Literal["impedance", "explicit"], stiffness
         controller=ControllerConfig(
             law="pi",
             target=target,
-            acting=(False, True, False),
+            acting=DOWN_UP_ALONE,
             impedance=ImpedanceConfig(
                 mass_kg=MASS_KG,
                 stiffness_n_per_m=stiffness_n_per_m,

@@ -9,7 +9,7 @@ from hydrohil.claims.pairs import PairClaim
 from hydrohil.experiment.experiment import Experiment
 from hydrohil.experiment.sections import ControllerConfig, ImpedanceConfig, Segment
 from hydrohil.thesis import claims7
-from hydrohil.thesis.chapter5 import FORCE_STEP_N, PRELOAD_N, SOFT_ESTIMATE_N_PER_M, SOFT_N_PER_M, STEP_S, plate
+from hydrohil.thesis.chapter5 import DOWN_UP_ALONE, FORCE_STEP_N, PRELOAD_N, SOFT_ESTIMATE_N_PER_M, SOFT_N_PER_M, STEP_S, plate
 
 
 def prolonged(figure: str, alias: str, words: str, mass_kg: float, stiffness_n_per_m: float, damping_ratio: float) -> Experiment:
@@ -29,7 +29,7 @@ def prolonged(figure: str, alias: str, words: str, mass_kg: float, stiffness_n_p
         source=f"thesis figure {figure}, section 7.2",
         duration_s=claims7.END_S,
         plant=plate(SOFT_N_PER_M, PRELOAD_N),
-        controller=ControllerConfig(acting=(False, True, False), impedance=impedance),
+        controller=ControllerConfig(acting=DOWN_UP_ALONE, impedance=impedance),
         reference=(Segment("force", "step", STEP_S, amount=FORCE_STEP_N),),
         claims=claims7.CLAIMS[name],
     )

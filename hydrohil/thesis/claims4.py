@@ -11,7 +11,7 @@ ramps and the sine, apart from regulation, the steps, which must not have become
 from hydrohil.claims.bands import Measure, at_least, at_most, between
 from hydrohil.claims.claims import Claim
 from hydrohil.claims.pairs import PairClaim
-from hydrohil.claims.signals import COUNT_RAD
+from hydrohil.claims.signals import COUNT_Q
 from hydrohil.shared.units import RAD_PER_DEG
 
 LARGE_DEG, SMALL_DEG = 20.0, 1.0  # size of the large patterns and of the small step
@@ -21,7 +21,7 @@ SINE_DEG = 2.0  # first swing of the sine, peak to peak
 LARGE_SINE_S, SMALL_SINE_S, SINE_S = 10.0, 16.0, 20.0  # above 1 deg peak to peak; below 0.4 deg
 TENTH, TWENTIETH, FIFTIETH = 0.1, 0.05, 0.02
 FIVE = 4.5  # rounds to five
-TWO_COUNTS_DEG = 2.0 * COUNT_RAD[1] / RAD_PER_DEG
+TWO_COUNTS_DEG = 2.0 * COUNT_Q[1] / RAD_PER_DEG
 
 _STEADY = (
     'thesis 4.6: "The ramp and step trials show that the steady-state positioning error is about 1 or 2 '

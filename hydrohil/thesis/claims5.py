@@ -8,14 +8,14 @@ import math
 
 from hydrohil.claims.bands import Measure, at_least, at_most, between
 from hydrohil.claims.claims import Claim
-from hydrohil.claims.signals import COUNT_RAD
+from hydrohil.claims.signals import COUNT_Q
 
 TENTH, FIFTIETH = 0.1, 0.02
 STEADY_S, END_S = 10.0, 20.0  # window in which a force step is long over
 SWING_MM = 200.0  # 100 N on 500 N/m
-COUNT_MM = COUNT_RAD[1] / 1e-3  # at a lever of 1 m
+COUNT_MM = COUNT_Q[1] / 1e-3  # at a lever of 1 m
 BREAK_AWAY_MA = 88.0  # the control always had to exceed it before motion occurred (thesis 4.5.1)
-SLIDE_COUNT_MM = COUNT_RAD[2] / 1e-3
+SLIDE_COUNT_MM = COUNT_Q[2] / 1e-3
 
 _PRECISION = (
     'thesis 5.2: "the position controller successfully coordinates the motions of each link to make the end-effector '

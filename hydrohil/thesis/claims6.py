@@ -8,7 +8,7 @@ the encoder. "Approximate" levels are true to a twentieth of the step. Limit cyc
 from hydrohil.claims.bands import Measure, at_least, at_most, between
 from hydrohil.claims.claims import Claim
 from hydrohil.claims.pairs import PairClaim
-from hydrohil.claims.signals import COUNT_RAD
+from hydrohil.claims.signals import COUNT_Q
 from hydrohil.shared.units import RAD_PER_DEG
 from hydrohil.thesis import claims7
 from hydrohil.thesis.chapter5 import SOFT_ESTIMATE_N_PER_M
@@ -19,8 +19,8 @@ STEADY_S = 10.0
 RISEN_S = 7.0  # three time constants after the step
 TWENTIETH = 0.05
 VERY_HIGH = 0.9
-TWO_COUNTS_DEG = 2.0 * COUNT_RAD[1] / RAD_PER_DEG
-TWO_COUNTS_N = 2.0 * COUNT_RAD[1] * SOFT_ESTIMATE_N_PER_M  # at a lever of 1 m
+TWO_COUNTS_DEG = 2.0 * COUNT_Q[1] / RAD_PER_DEG
+TWO_COUNTS_N = 2.0 * COUNT_Q[1] * SOFT_ESTIMATE_N_PER_M  # at a lever of 1 m
 
 _LEVELS = (
     'thesis 6.3: "for model stiffnesses of 50, 500, and 5000N/m are 99N, 92N, and 55N, respectively. These are indeed the '

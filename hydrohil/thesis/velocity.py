@@ -4,7 +4,7 @@ from collections.abc import Sequence
 
 import numpy as np
 
-from hydrohil.claims.signals import COUNT_RAD, rms
+from hydrohil.claims.signals import COUNT_Q, rms
 from hydrohil.claims.study import Curve, Panel, Studied
 from hydrohil.claims.trace import Reals, Trace
 from hydrohil.services.controller.regression import POINTS, filled_window, push, velocities
@@ -15,7 +15,7 @@ COUNTS = (2, 5, 10, 20, 40, 100)  # points, Figure 9-8 a to f
 PERIOD_S = 1.0 / 200.0  # Appendix B
 AMPLITUDE_DEG = 10.0  # Appendix B
 RESOLUTION_DEG = 0.28  # Appendix B; ten times the robot's, 4.2
-OWN_RESOLUTION_DEG = COUNT_RAD[1] / RAD_PER_DEG
+OWN_RESOLUTION_DEG = COUNT_Q[1] / RAD_PER_DEG
 QUARTER_S = 1.0  # the text does not say; chosen: the largest speed is then 15.7 deg/s
 
 _SPIKES = 'thesis Appendix B: "The impulse behaviour previously described is clearly visible when using a 2-point regression."'

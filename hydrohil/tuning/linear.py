@@ -4,9 +4,11 @@ import math
 
 import numpy as np
 
-from hydrohil.claims.signals import LINKS, count_size
+from hydrohil.claims.signals import JOINTS, count_size
 from hydrohil.experiment.sections import LinkGains
 from hydrohil.shared.contract.converters import COUNTS_PER_A
+from hydrohil.shared.contract.faults import LINKS
+from hydrohil.shared.contract.link_units import written_name
 from hydrohil.tuning import measure
 from hydrohil.tuning.bench import Bench, Step, a_per_printed, play, rad_per_unit, rings_on, unit, worst_ringing, yes
 from hydrohil.tuning.patterns import pattern
@@ -37,7 +39,7 @@ def proportional(bench: Bench, gains: LinkGains) -> Step:
     """Step 1: the largest K_P of P control whose ringing dies away on the large ramp, less the margin."""
     setpoint = pattern("large-ramp", bench.link, gains)
     first = FULL_CURRENT_A / (FIRST_SHARE * setpoint.size_q)
-    ceiling = FULL_CURRENT_A / count_size(LINKS[bench.link])  # at which one count commands full current
+    ceiling = FULL_CURRENT_A / count_size(JOINTS[bench.link])  # at which one count commands full current
     found = largest(
         lambda value: judge_proportional(bench, gains, value),
         start=first,
@@ -60,7 +62,7 @@ def proportional_step(bench: Bench, gains: LinkGains, found: Found) -> Step:
     elif best.numbers[3] < FOLLOWS:
         decision = (
             f"the link reaches {best.numbers[3]:.0%} of the set speed: it is stuck or too slow; "
-            "lower the link's qd_max_q_per_s, or look at supply and friction"
+            f"lower the link's {written_name('qd_max_q_per_s', LINKS[bench.link])}, or look at supply and friction"
         )
     else:
         value = best.value / criteria.margin

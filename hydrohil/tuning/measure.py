@@ -7,7 +7,7 @@ import numpy as np
 
 from hydrohil.claims import tracking
 from hydrohil.claims.motion import MOTION_COUNTS
-from hydrohil.claims.signals import LINKS, control, count_size, error, measured, rms, set_point, swings
+from hydrohil.claims.signals import JOINTS, control, count_size, error, measured, rms, set_point, swings
 from hydrohil.claims.trace import Trace, window
 from hydrohil.shared.contract.messages import Mode
 from hydrohil.thesis.claims4 import LARGE_SINE_S
@@ -53,8 +53,8 @@ def _ringing(part: Trace, link: int) -> Ringing:
 
 
 def _ripple_counts(part: Trace, link: int) -> float:
-    wrong, t = error(part, LINKS[link]), part.t_s - part.t_s[0]
-    return float(np.std(wrong - np.polyval(np.polyfit(t, wrong, TREND_DEGREE), t))) / count_size(LINKS[link])
+    wrong, t = error(part, JOINTS[link]), part.t_s - part.t_s[0]
+    return float(np.std(wrong - np.polyval(np.polyfit(t, wrong, TREND_DEGREE), t))) / count_size(JOINTS[link])
 
 
 def cruise_share(trace: Trace, link: int, setpoint: Pattern) -> float:
@@ -63,44 +63,44 @@ def cruise_share(trace: Trace, link: int, setpoint: Pattern) -> float:
 
 
 def _speed_share(part: Trace, link: int) -> float:
-    position, steps = measured(part, LINKS[link]), set_point(part, LINKS[link])
+    position, steps = measured(part, JOINTS[link]), set_point(part, JOINTS[link])
     return float((position[-1] - position[0]) / (steps[-1] - steps[0]))
 
 
 def cruise_current_a(trace: Trace, link: int, setpoint: Pattern) -> float:
     """Mean valve current, without sign, that holds the constant speed."""
-    currents = [abs(float(np.mean(control(window(trace, *cruise), LINKS[link])))) for cruise in setpoint.cruises_s]
+    currents = [abs(float(np.mean(control(window(trace, *cruise), JOINTS[link])))) for cruise in setpoint.cruises_s]
     return float(np.mean(currents))
 
 
 def hunting(trace: Trace, link: int, setpoint: Pattern) -> int:
     """How often the link turns round while its set-point stands; the worse of both rests. A last correction counts as one."""
-    least = HUNTING_COUNTS * count_size(LINKS[link])
-    return max(swings(measured(window(trace, *rest), LINKS[link]), least) for rest in setpoint.rests_s)
+    least = HUNTING_COUNTS * count_size(JOINTS[link])
+    return max(swings(measured(window(trace, *rest), JOINTS[link]), least) for rest in setpoint.rests_s)
 
 
 def overshoot_q(trace: Trace, link: int, setpoint: Pattern) -> float:
     """How far the link goes beyond the end of its way there or back; the worse."""
-    return max(tracking.overshoot(window(trace, *half), LINKS[link]) for half in setpoint.halves_s)
+    return max(tracking.overshoot(window(trace, *half), JOINTS[link]) for half in setpoint.halves_s)
 
 
 def overshoot_counts(trace: Trace, link: int, setpoint: Pattern) -> float:
     """The same in encoder counts."""
-    return overshoot_q(trace, link, setpoint) / count_size(LINKS[link])
+    return overshoot_q(trace, link, setpoint) / count_size(JOINTS[link])
 
 
 def rms_error_q(trace: Trace, link: int) -> float:
     """Root mean square of set-point minus measured over the whole trial."""
-    return rms(error(trace, LINKS[link]))
+    return rms(error(trace, JOINTS[link]))
 
 
 def large_swings(trace: Trace, link: int) -> float:
     """Peak to peak of the link over that of its set-point, mean over the sine's large cycles."""
-    return tracking.cycle_ratio(window(trace, 0.0, LARGE_SINE_S), LINKS[link])
+    return tracking.cycle_ratio(window(trace, 0.0, LARGE_SINE_S), JOINTS[link])
 
 
 def breakaway_a(trace: Trace, link: int) -> float:
     """Largest current up to the link's second encoder count; NaN if it never moves so far."""
-    position, current = measured(trace, LINKS[link]), np.abs(control(trace, LINKS[link]))
-    moved = np.flatnonzero(np.abs(position - position[0]) > MOTION_COUNTS * count_size(LINKS[link]))
+    position, current = measured(trace, JOINTS[link]), np.abs(control(trace, JOINTS[link]))
+    moved = np.flatnonzero(np.abs(position - position[0]) > MOTION_COUNTS * count_size(JOINTS[link]))
     return float(np.max(current[: moved[0] + 1])) if len(moved) else math.nan

@@ -2,9 +2,10 @@
 
 from typing import Literal, NamedTuple
 
-from hydrohil.claims.signals import LINKS
+from hydrohil.claims.signals import JOINTS
 from hydrohil.experiment.experiment import Experiment
-from hydrohil.experiment.sections import AdaptationConfig, Environment, ImpedanceConfig, LinkGains, Segment
+from hydrohil.experiment.sections import ActingLinks, AdaptationConfig, Environment, ImpedanceConfig, LinkGains, Segment
+from hydrohil.shared.contract.faults import LINKS
 from hydrohil.shared.units import RAD_PER_DEG
 from hydrohil.thesis.chapter4 import TRAJECTORIES, Trajectory
 from hydrohil.thesis.chapter4 import Pattern as PatternName
@@ -58,13 +59,13 @@ def pattern(name: PatternName, link: int, gains: LinkGains) -> Pattern:
 
 def _scaled(segment: Segment, link: int, scale: float) -> Segment:
     end = None if segment.amount_end is None else segment.amount_end * scale
-    return segment._replace(channel=LINKS[link], amount=segment.amount * scale, amount_end=end)
+    return segment._replace(channel=JOINTS[link], amount=segment.amount * scale, amount_end=end)
 
 
 def slow_ramp(link: int, start_q: float, speed_q_per_s: float, duration_s: float) -> Pattern:
     """A set-point that creeps away for the whole trial, so that a proportional law raises its current slowly."""
     size = speed_q_per_s * duration_s
-    creep = Segment(LINKS[link], kind="ramp", start_s=0.0, duration_s=duration_s, amount=size)
+    creep = Segment(JOINTS[link], kind="ramp", start_s=0.0, duration_s=duration_s, amount=size)
     return Pattern("slow ramp", start_q=start_q, reference=(creep,), duration_s=duration_s, size_q=size)
 
 
@@ -80,21 +81,21 @@ def trial(experiment: Experiment, link: int, law: Law, gains: LinkGains, setpoin
 
     The other valves stay shut: each link is tuned in isolation (Appendix C).
     """
-    pose, all_gains = list(experiment.plant.initial_q), list(experiment.controller.gains)
-    pose[link], all_gains[link] = middle + setpoint.start_q, gains
+    name = LINKS[link]
     controller = experiment.controller._replace(
         law=law,
         target="joint",
-        acting=(link == 0, link == 1, link == 2),
-        gains=(all_gains[0], all_gains[1], all_gains[2]),
+        acting=ActingLinks(*(one == name for one in LINKS)),
+        gains=experiment.controller.gains._replace(**{name: gains}),
         impedance=ImpedanceConfig(),
         adaptation=AdaptationConfig(),
     )
-    plant = experiment.plant._replace(environment=Environment(), initial_q=(pose[0], pose[1], pose[2]))
+    initial_q = experiment.plant.initial_q._replace(**{name: middle + setpoint.start_q})
+    plant = experiment.plant._replace(environment=Environment(), initial_q=initial_q)
     return experiment._replace(
-        name=f"tune-{LINKS[link]}",
-        alias=f"tune-{LINKS[link]}",
-        title=f"tuning {LINKS[link]}: {law}, {setpoint.name}",
+        name=f"tune-{JOINTS[link]}",
+        alias=f"tune-{JOINTS[link]}",
+        title=f"tuning {JOINTS[link]}: {law}, {setpoint.name}",
         source="thesis Appendix C",
         duration_s=setpoint.duration_s,
         plant=plant,

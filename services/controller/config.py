@@ -30,9 +30,9 @@ from hydrohil.services.controller.params import (
     TARGET_JOINT,
     TIGHT_SAMPLES,
     TIGHT_SLEW_CODES,
-    UNIMATE_GAINS,
     AdaptationParams,
     ControllerParams,
+    Gains,
     ImpedanceParams,
     LinkGains,
     SetpointScalingParams,
@@ -122,7 +122,23 @@ class AdaptationConfig(NamedTuple):
     release_s: Annotated[float, Gt(0), Le(1e3)] = 2.5  # stiffness, offset: time constant of their return
 
 
-RecoverCurrent = Annotated[float, Ge(0), Le(200 * A_PER_MA)]  # the valves' currents while a hold-to-run request unloads
+class ActingLinks(NamedTuple):
+    """Links that the law drives; the other valves get no current."""
+
+    rotate: bool = True
+    down_up: bool = True
+    out_in: bool = True
+
+
+RecoverCurrent = Annotated[float, Ge(0), Le(200 * A_PER_MA)]
+
+
+class RecoverCurrents(NamedTuple):
+    """The valves' currents while a hold-to-run request unloads: each just above the link's worst break-away of Table 2."""
+
+    rotate: RecoverCurrent = 100 * A_PER_MA
+    down_up: RecoverCurrent = 125 * A_PER_MA
+    out_in: RecoverCurrent = 185 * A_PER_MA
 
 
 class ControllerConfig(NamedTuple):
@@ -130,18 +146,14 @@ class ControllerConfig(NamedTuple):
 
     law: Literal["pi", "morse", "deadband", "hysteresis", "vetia", "final", "robust", "torque"] = "final"
     target: Literal["joint", "cartesian", "impedance", "explicit"] = "impedance"  # explicit: force control, equivalent (6.2.1)
-    acting: tuple[bool, bool, bool] = (True, True, True)  # links that the law drives; the other valves get no current
-    gains: tuple[LinkGains, LinkGains, LinkGains] = UNIMATE_GAINS
+    acting: ActingLinks = ActingLinks()
+    gains: Gains = Gains()
     impedance: ImpedanceConfig = ImpedanceConfig()
     adaptation: AdaptationConfig = AdaptationConfig()
     slew_codes: Annotated[int, Ge(1), Le(FULL_SLEW_CODES)] = FULL_SLEW_CODES  # per sample
     tight_slew_codes: Annotated[int, Ge(1), Le(FULL_SLEW_CODES)] = TIGHT_SLEW_CODES  # just after the gate opens
     tight_samples: Annotated[int, Ge(0), Le(1000)] = TIGHT_SAMPLES
-    recover_current_a: tuple[RecoverCurrent, RecoverCurrent, RecoverCurrent] = (
-        100 * A_PER_MA,  # each link just above its worst break-away current of Table 2
-        125 * A_PER_MA,
-        185 * A_PER_MA,
-    )
+    recover_current_a: RecoverCurrents = RecoverCurrents()
 
 
 def impedance_params(config: ImpedanceConfig, force_axis: int, force_sign: float) -> ImpedanceParams:

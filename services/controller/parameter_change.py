@@ -11,9 +11,10 @@ from typing import Any, NamedTuple
 
 from hydrohil.services.controller.config import ControllerConfig
 from hydrohil.services.controller.step import ControlMemory, Handover
-from hydrohil.shared.contract.assignments import parsed, plain_of, put
+from hydrohil.shared.contract.assignments import parsed, put
 from hydrohil.shared.contract.envelope import checked
 from hydrohil.shared.contract.faults import LINKS
+from hydrohil.shared.contract.link_units import plain_of, written_location
 from hydrohil.shared.units import NS_PER_S
 
 RAMP_S = 0.5  # longer than the loop takes to settle (0.2 s), shorter than an operator waits
@@ -30,7 +31,7 @@ _FORCE = "the force that the target feels would step"
 _ESTIMATE = "the checks before the trial rest on this estimate"
 FIXED = {  # every other parameter, and why it stays
     "controller.target": "it reads other channels of the reference",
-    "controller.acting": "a link would be seized or let go in the middle of its motion",
+    **{f"controller.acting.{link}": "the link would be seized or let go in the middle of its motion" for link in LINKS},
     "controller.impedance.damping": "it gives another meaning to damping_ratio: change that",
     "controller.impedance.environment_n_per_m": _ESTIMATE,
     "controller.impedance.setpoint_compensation": "the force set-point would step",
@@ -44,7 +45,7 @@ FIXED = {  # every other parameter, and why it stays
     "controller.slew_codes": _LIMIT,
     "controller.tight_slew_codes": _LIMIT,
     "controller.tight_samples": _LIMIT,
-    "controller.recover_current_a": _LIMIT,
+    **{f"controller.recover_current_a.{link}": _LIMIT for link in LINKS},
 }
 
 
@@ -66,15 +67,12 @@ class Change(NamedTuple):
 
 
 def leaves(value: Any, path: str = _SECTION) -> Iterator[tuple[str, Any]]:
-    """Every value with its dotted path; a list of three tables goes by the links' names."""
+    """Every value with its dotted path, as a user writes it."""
     if hasattr(value, "_fields"):
         for name, field in zip(value._fields, value, strict=True):
             yield from leaves(field, f"{path}.{name}")
-    elif isinstance(value, tuple) and hasattr(value[0], "_fields"):
-        for link, field in zip(LINKS, value, strict=True):
-            yield from leaves(field, f"{path}.{link}")
     else:
-        yield path, value
+        yield ".".join(map(str, written_location(path.split(".")))), value
 
 
 def differences(before: ControllerConfig, after: ControllerConfig) -> tuple[Difference, ...]:

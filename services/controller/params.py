@@ -86,7 +86,17 @@ OUT_IN_GAINS = LinkGains(
     braking_least_a=650 * A_PER_COUNT,
     load_feedforward_a_per_tau=0.022 * A_PER_MA,
 )
-UNIMATE_GAINS = (ROTATE_GAINS, DOWN_UP_GAINS, OUT_IN_GAINS)
+
+
+class Gains(NamedTuple):
+    """Gains of each link."""
+
+    rotate: LinkGains = ROTATE_GAINS
+    down_up: LinkGains = DOWN_UP_GAINS
+    out_in: LinkGains = OUT_IN_GAINS
+
+
+UNIMATE_GAINS = Gains()
 
 
 class ImpedanceParams(NamedTuple):

@@ -15,6 +15,7 @@ from hydrohil.services.controller.preflight import preflight
 from hydrohil.services.controller.step import control_start, control_step
 from hydrohil.shared.contract.codec import Received, encode
 from hydrohil.shared.contract.envelope import Envelope, checked, section
+from hydrohil.shared.contract.faults import LINKS
 from hydrohil.shared.contract.messages import NO_TRIAL, Command, GateState, PlantDescription, Sample, SampleDropped
 from hydrohil.shared.host.process import options_of, parser, serve
 from hydrohil.shared.host.two_phase_load import Checked, TwoPhaseLoad
@@ -156,7 +157,8 @@ class Controller:
             config = section(envelope, "controller", ControllerConfig)
             reference = section(envelope, "reference", Reference)
             plant = envelope.experiment["plant"]
-            met, q0, pitch_rad = contact_environment(plant), tuple(plant["initial_q"]), plant["machine"]["q4_rad"]
+            met, pitch_rad = contact_environment(plant), plant["machine"]["q4_rad"]
+            q0 = tuple(plant["initial_q"][link] for link in LINKS)
             changes = checked(envelope.experiment.get("changes", []), "changes", Changes)
             waiting = scheduled(config, changes, plant["sample_period_substeps"] * SUBSTEP_NS) if changes else ()
             acting = (config, *(after for _, after in waiting))

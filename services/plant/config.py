@@ -11,16 +11,20 @@ from hydrohil.shared.units import NS_PER_S, RAD_PER_DEG, SUBSTEP_NS
 _LATCH_LIMIT_SUBSTEPS = 80  # 4 ms: the thesis' program wrote its outputs about 4 ms after reading the encoders
 
 
+class StartPosition(NamedTuple):
+    """Where the links stand at the start, rad, rad and m."""
+
+    rotate: Annotated[float, Interval(ge=-110 * RAD_PER_DEG, le=110 * RAD_PER_DEG)] = 0.0
+    down_up: Annotated[float, Interval(ge=-30 * RAD_PER_DEG, le=27 * RAD_PER_DEG)] = 0.0
+    out_in: Annotated[float, Interval(ge=0.0, le=1.04)] = 0.212
+
+
 class PlantConfig(NamedTuple):
     """Section [plant] of an experiment: the emulated machine, what it touches, where it starts, how it is sampled."""
 
     machine: MachineParams = UNIMATE
     environment: Environment = Environment()
-    initial_q: tuple[
-        Annotated[float, Interval(ge=-110 * RAD_PER_DEG, le=110 * RAD_PER_DEG)],
-        Annotated[float, Interval(ge=-30 * RAD_PER_DEG, le=27 * RAD_PER_DEG)],
-        Annotated[float, Interval(ge=0.0, le=1.04)],  # third in m
-    ] = (0.0, 0.0, 0.212)
+    initial_q: StartPosition = StartPosition()
     sample_period_substeps: Annotated[int, Interval(ge=20, le=200)] = 90  # 1 kHz to 100 Hz; 4.5 ms in the thesis
     jitter_substeps: Annotated[int, Interval(ge=0, le=20)] = 0  # each interval is uniform within +- this
     latch_substeps: Annotated[int, Ge(0)] = 0  # 0 = min(4 ms, 0.8 of the period)

@@ -19,6 +19,7 @@ from hydrohil.services.plant.params import AXIS_X, ContactParams, LinkParams, Ma
 from hydrohil.services.plant.sensors import encoder_counts, gauge_counts
 from hydrohil.shared.compiled.kernel import kernel
 from hydrohil.shared.contract.converters import code_to_current
+from hydrohil.shared.contract.faults import LINKS
 from hydrohil.shared.contract.messages import GroundTruth, LinkCounts
 from hydrohil.shared.units import SUBSTEP_S
 
@@ -215,10 +216,9 @@ def balanced_pressures(machine: MachineParams, link: LinkParams, load_tau: float
 def machine_start(machine: MachineParams, contact: ContactParams, q: Triple) -> MachineState:
     """The machine at rest at `q`: stuck, balanced, spools at null; ValueError outside the travel."""
     links = (machine.rotate, machine.down_up, machine.out_in)
-    for number, (value, link) in enumerate(zip(q, links, strict=True), start=1):
+    for name, unit, value, link in zip(LINKS, ("rad", "rad", "m"), q, links, strict=True):
         if not link.travel_low_q <= value <= link.travel_high_q:
-            travel = f"{link.travel_low_q:g}..{link.travel_high_q:g}"
-            raise ValueError(f"link {number} starts at {value:g} rad (m for link 3); expected {travel}")
+            raise ValueError(f"{name} starts at {value:g} {unit}; expected {link.travel_low_q:g}..{link.travel_high_q:g} {unit}")
     arm = posture(machine, q)
     touch = contact_start(contact, machine, tip(arm))
     push_n = contact.force_sign * touch.force_n

@@ -9,6 +9,30 @@ from hydrohil.shared.units import RAD_PER_DEG
 LB_LIMIT_N = 75.0 * 9.8 / 2.2  # "exits above 75 lb", 334 N (Appendix F)
 
 
+class JointSpeedLimits(NamedTuple):
+    """Rad/s, rad/s and m/s: a quarter above what the valves pass."""
+
+    rotate: Annotated[float, Interval(gt=0.0, le=30 * RAD_PER_DEG)] = 30 * RAD_PER_DEG
+    down_up: Annotated[float, Interval(gt=0.0, le=30 * RAD_PER_DEG)] = 30 * RAD_PER_DEG
+    out_in: Annotated[float, Interval(gt=0.0, le=0.5)] = 0.5
+
+
+class JointLowLimits(NamedTuple):
+    """Lower ends of the permitted travel in rad, rad and m."""
+
+    rotate: Annotated[float, Interval(ge=-110 * RAD_PER_DEG)] = -110 * RAD_PER_DEG
+    down_up: Annotated[float, Interval(ge=-30 * RAD_PER_DEG)] = -30 * RAD_PER_DEG
+    out_in: Annotated[float, Interval(ge=-0.002)] = -0.002
+
+
+class JointHighLimits(NamedTuple):
+    """Upper ends of the permitted travel in rad, rad and m."""
+
+    rotate: Annotated[float, Interval(le=110 * RAD_PER_DEG)] = 110 * RAD_PER_DEG
+    down_up: Annotated[float, Interval(le=27 * RAD_PER_DEG)] = 27 * RAD_PER_DEG
+    out_in: Annotated[float, Interval(le=1.04)] = 1.04
+
+
 class SupervisorConfig(NamedTuple):
     """Section [supervisor] of an experiment: what must hold while the machine may move."""
 
@@ -24,22 +48,10 @@ class SupervisorConfig(NamedTuple):
     contact_level_n: Annotated[float, Interval(gt=0.0, le=300.0)] = 300.0
     contact_time_s: Annotated[float, Interval(gt=0.0, le=1.0)] = 1.0
     contact_energy_j: Annotated[float, Interval(gt=0.0, le=100.0)] = 100.0  # 334 N over 0.3 m, as far as the crate is pushed
-    joint_speed_limit: tuple[
-        Annotated[float, Interval(gt=0.0, le=30 * RAD_PER_DEG)],
-        Annotated[float, Interval(gt=0.0, le=30 * RAD_PER_DEG)],
-        Annotated[float, Interval(gt=0.0, le=0.5)],
-    ] = (30 * RAD_PER_DEG, 30 * RAD_PER_DEG, 0.5)  # rad/s; third in m/s: a quarter above what the valves pass
+    joint_speed_limit_q_per_s: JointSpeedLimits = JointSpeedLimits()
     tip_speed_limit_m_per_s: Annotated[float, Interval(gt=0.0, le=0.75)] = 0.75  # one link at 24 deg/s and full reach
-    joint_low_q: tuple[
-        Annotated[float, Interval(ge=-110 * RAD_PER_DEG)],
-        Annotated[float, Interval(ge=-30 * RAD_PER_DEG)],
-        Annotated[float, Interval(ge=-0.002)],
-    ] = (-110 * RAD_PER_DEG, -30 * RAD_PER_DEG, -0.002)  # third in m
-    joint_high_q: tuple[
-        Annotated[float, Interval(le=110 * RAD_PER_DEG)],
-        Annotated[float, Interval(le=27 * RAD_PER_DEG)],
-        Annotated[float, Interval(le=1.04)],
-    ] = (110 * RAD_PER_DEG, 27 * RAD_PER_DEG, 1.04)
+    joint_low_q: JointLowLimits = JointLowLimits()
+    joint_high_q: JointHighLimits = JointHighLimits()
     workspace_low_m: tuple[
         Annotated[float, Interval(ge=-2.0)], Annotated[float, Interval(ge=-2.0)], Annotated[float, Interval(ge=-1.6)]
     ] = (-2.0, -2.0, -1.6)

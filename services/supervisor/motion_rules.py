@@ -46,7 +46,7 @@ def tip_within(observed: Observed, limits: Limits) -> bool:
 
 @kernel
 def joints_slow(observed: Observed, limits: Limits) -> bool:
-    most = limits.config.joint_speed_limit
+    most = limits.config.joint_speed_limit_q_per_s
     return _below(observed.motion.speed, most, _first_above(observed.motion.speed, most))
 
 
@@ -184,10 +184,10 @@ MOTION_RULES = (
         holds=joints_slow,
         cause=TripCause.JOINT_SPEED,
         measured=lambda observed, limits: observed.motion.speed[
-            _first_above(observed.motion.speed, limits.config.joint_speed_limit)
+            _first_above(observed.motion.speed, limits.config.joint_speed_limit_q_per_s)
         ],
-        limit=lambda observed, limits: limits.config.joint_speed_limit[
-            _first_above(observed.motion.speed, limits.config.joint_speed_limit)
+        limit=lambda observed, limits: limits.config.joint_speed_limit_q_per_s[
+            _first_above(observed.motion.speed, limits.config.joint_speed_limit_q_per_s)
         ],
     ),
     Rule(

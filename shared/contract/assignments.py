@@ -9,13 +9,6 @@ from typing import Any
 from hydrohil.shared.contract.faults import LINKS
 
 
-def plain_of(value: Any) -> Any:
-    """Named tuples as dicts and tuples as lists, all the way down: every default is spelled out."""
-    if isinstance(value, tuple) and hasattr(value, "_asdict"):
-        return {name: plain_of(field) for name, field in value._asdict().items()}
-    return [plain_of(item) for item in value] if isinstance(value, tuple | list) else value
-
-
 def parsed(assignment: str) -> tuple[str, Any]:
     """Path and value of `path=value`, the value as TOML has it; what is no TOML is text without quotes. Raises ValueError."""
     path, equals, text = assignment.partition("=")
@@ -29,10 +22,7 @@ def parsed(assignment: str) -> tuple[str, Any]:
 
 
 def put(plain: Any, path: str, value: Any) -> None:
-    """Put `value` at a dotted path; a list element is named by its index or, in a list of three, by its link.
-
-    Raises ValueError with the nearest names.
-    """
+    """Put `value` at a dotted path; an item of a list is named by its index, a link by its name. Raises ValueError with names."""
     parts = path.split(".")
     parent = plain
     for depth in range(len(parts) - 1):
@@ -66,13 +56,13 @@ def _key(parent: Any, parts: list[str], depth: int) -> str | int:
     if isinstance(parent, dict):
         if part in parent:
             return part
+        if part.isdecimal() and {*LINKS} <= {*parent}:
+            raise ValueError(f"{inside}.{part} is no field: links go by name; use one of {', '.join(LINKS)}")
         known = [*parent]
     elif isinstance(parent, list):
-        if part in LINKS and len(parent) == len(LINKS):
-            return LINKS.index(part)
         if part.isdecimal() and int(part) < len(parent):
             return int(part)
-        known = [str(index) for index in range(len(parent))] + (list(LINKS) if len(parent) == len(LINKS) else [])
+        known = [str(index) for index in range(len(parent))]
     else:
         raise ValueError(f"{inside} is a value without fields; end the path there")
     hint = nearest(part, known) if known else "nothing: it is empty"

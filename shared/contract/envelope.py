@@ -8,6 +8,7 @@ from typing import Any, NamedTuple
 from pydantic import ConfigDict, TypeAdapter, ValidationError
 
 from hydrohil.shared.contract.faults import Fault, Group, has_value, of_group, trial_problems, value_missing
+from hydrohil.shared.contract.link_units import as_fields, written_location
 from hydrohil.shared.units import SUBSTEP_NS
 
 CLOCKS = ("real", "lockstep")
@@ -97,14 +98,14 @@ def one_fault(plain: Any) -> Fault:
 def checked(plain: Any, name: str, kind: Any) -> Any:
     """`plain` data as a `kind`; raises ValueError with one line that names the field."""
     try:
-        text = json.dumps(plain)
+        text = json.dumps(as_fields(plain, kind, name))
     except (TypeError, RecursionError) as error:
         raise ValueError(f"{name}: {error}: use text, numbers, true or false, lists and tables") from None
     try:
         return _adapter(kind).validate_json(text, strict=True)
     except ValidationError as error:
         first = error.errors()[0]
-        where = ".".join(str(part) for part in (name, *first["loc"]))
+        where = ".".join(str(part) for part in (name, *written_location(first["loc"])))
         raise ValueError(f"{where} is {first['input']!r}: {first['msg']}") from error
 
 

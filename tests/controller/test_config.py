@@ -7,13 +7,15 @@ from hydrohil.services.controller.config import (
     AdaptationConfig,
     ControllerConfig,
     ImpedanceConfig,
+    RecoverCurrents,
     Segment,
     controller_params,
     impedance_params,
     segment_table,
 )
-from hydrohil.services.controller.params import TARGET_JOINT, UNIMATE_GAINS
+from hydrohil.services.controller.params import OUT_IN_GAINS, TARGET_JOINT, UNIMATE_GAINS
 from hydrohil.shared.contract.converters import UNIMATE_CONVERTERS, UNIMATE_ENCODERS, UNIMATE_FORCE
+from hydrohil.shared.contract.envelope import checked
 from hydrohil.shared.contract.messages import PlantDescription
 
 DESCRIPTION = PlantDescription(
@@ -25,11 +27,9 @@ JOINT = ControllerConfig(target="joint")
 
 
 def test_a_dict_with_one_gain_changed_keeps_every_other_default():
-    gains = [g._asdict() for g in UNIMATE_GAINS]
-    gains[1]["kp_a_per_q"] = 10
-    config = TypeAdapter(ControllerConfig).validate_python({"law": "pi", "gains": gains, "impedance": {"mass_kg": 50}})
-    assert config.gains[1] == UNIMATE_GAINS[1]._replace(kp_a_per_q=10.0)
-    assert config.gains[2] == UNIMATE_GAINS[2]
+    plain = {"law": "pi", "gains": {"out_in": {"kp_a_per_m": 10}}, "impedance": {"mass_kg": 50}}
+    config = checked(plain, "controller", ControllerConfig)
+    assert config.gains == UNIMATE_GAINS._replace(out_in=OUT_IN_GAINS._replace(kp_a_per_q=10.0))
     assert config.impedance == ImpedanceConfig(mass_kg=50.0)
 
 
@@ -41,7 +41,7 @@ def test_a_dict_with_one_gain_changed_keeps_every_other_default():
         {"slew_codes": 2457},
         {"impedance": {"mass_kg": 0.0}},
         {"impedance": {"damping_ratio": -0.1}},
-        {"recover_current_a": [0.1, 0.1, 0.201]},
+        {"recover_current_a": {"out_in": 0.201}},
     ],
 )
 def test_a_value_outside_its_bound_is_refused(wrong):
@@ -49,7 +49,7 @@ def test_a_value_outside_its_bound_is_refused(wrong):
         TypeAdapter(ControllerConfig).validate_python(wrong)
 
 
-@pytest.mark.parametrize("ok", [{"slew_codes": 1}, {"slew_codes": 2456}, {"recover_current_a": [0.0, 0.1, 0.2]}])
+@pytest.mark.parametrize("ok", [{"slew_codes": 1}, {"slew_codes": 2456}, {"recover_current_a": {"rotate": 0.0, "out_in": 0.2}}])
 def test_a_value_on_its_bound_is_taken(ok):
     TypeAdapter(ControllerConfig).validate_python(ok)
 
@@ -83,9 +83,9 @@ def test_the_mean_of_three_has_no_cutoff_and_only_the_bounded_filter_knows_the_n
 
 def test_kernel_parameters_hold_floats_even_where_ints_were_written():
     config = ControllerConfig(
-        gains=(UNIMATE_GAINS[0]._replace(kp_a_per_q=5), *UNIMATE_GAINS[1:]),
+        gains=UNIMATE_GAINS._replace(rotate=UNIMATE_GAINS.rotate._replace(kp_a_per_q=5)),
         impedance=ImpedanceConfig(mass_kg=1, stiffness_n_per_m=4, damping_ratio=1),
-        recover_current_a=(0, 0, 0),
+        recover_current_a=RecoverCurrents(0, 0, 0),
         adaptation=AdaptationConfig("stiffness", 20, 100, 20, 1, 100, 1000, 2),
     )
     params = controller_params(config, DESCRIPTION, -444)

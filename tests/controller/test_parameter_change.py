@@ -35,7 +35,9 @@ LOADED = ControllerConfig(adaptation=AdaptationConfig(kind="offset"))
 MEMORY = control_start(controller_params(LOADED, DESCRIPTION, -10))
 DIFFERENT = {  # any other value of what stays
     "target": "joint",
-    "acting": "[true, false, true]",
+    "acting.rotate": "false",
+    "acting.down_up": "false",
+    "acting.out_in": "false",
     "impedance.damping": "model",
     "impedance.environment_n_per_m": "1e3",
     "impedance.setpoint_compensation": "true",
@@ -49,7 +51,9 @@ DIFFERENT = {  # any other value of what stays
     "slew_codes": "2000",
     "tight_slew_codes": "50",
     "tight_samples": "30",
-    "recover_current_a": "[0.0, 0.0, 0.0]",
+    "recover_current_a.rotate": "0.0",
+    "recover_current_a.down_up": "0.0",
+    "recover_current_a.out_in": "0.0",
 }
 
 
@@ -71,8 +75,8 @@ def test_what_is_no_law_no_gain_and_no_number_of_the_target_stays_and_says_why(n
 @pytest.mark.parametrize(
     ("path", "on", "past"),
     [
-        ("controller.gains.down_up.kp_a_per_q", 0.0, -5e-324),
-        ("controller.gains.out_in.alpha_max_q2_per_s2", 5e-324, 0.0),
+        ("controller.gains.down_up.kp_a_per_rad", 0.0, -5e-324),
+        ("controller.gains.out_in.alpha_max_m2_per_s2", 5e-324, 0.0),
         ("controller.impedance.stiffness_n_per_m", 1e7, math.nextafter(1e7, math.inf)),
         ("controller.impedance.mass_kg", 1e6, math.nextafter(1e6, math.inf)),
         ("controller.impedance.damping_ratio", 100.0, math.nextafter(100.0, math.inf)),
@@ -132,14 +136,28 @@ def test_what_the_trial_does_not_use_is_refused_instead_of_ignored():
     assert assigned(ControllerConfig(target="explicit"), ["controller.impedance.mass_kg=3.0"]).impedance.mass_kg == 3.0
 
 
-def test_a_list_element_is_named_by_link_or_index_and_told_by_link():
-    for name in ("down_up", "1"):
-        after = assigned(LOADED, [f"controller.gains.{name}.kp_a_per_q=3"])
-        assert differences(LOADED, after) == (Difference("controller.gains.down_up.kp_a_per_q", LOADED.gains[1].kp_a_per_q, 3.0),)
+def test_a_gain_goes_by_its_link_in_the_unit_of_that_link():
+    for path, number in (("controller.gains.down_up.kp_a_per_rad", 1), ("controller.gains.out_in.kp_a_per_m", 2)):
+        after = assigned(LOADED, [f"{path}=3"])
+        assert differences(LOADED, after) == (Difference(path, LOADED.gains[number].kp_a_per_q, 3.0),)
+
+
+@pytest.mark.parametrize(
+    ("path", "words"),
+    [
+        ("controller.gains.1.kp_a_per_rad", "links go by name; use one of rotate, down_up, out_in"),
+        ("controller.gains.down_up.kp_a_per_q", "use one of kp_a_per_rad"),
+        ("controller.gains.out_in.kp_a_per_rad", "use one of kp_a_per_m"),
+    ],
+)
+def test_an_index_or_the_unit_of_another_link_is_refused_with_the_name_that_is_meant(path, words):
+    with pytest.raises(ValueError) as refused:
+        assigned(LOADED, [f"{path}=3"])
+    assert words in str(refused.value)
 
 
 def test_law_and_gains_act_at_once():
-    after = assigned(LOADED, ["controller.law=pi", "controller.gains.down_up.kp_a_per_q=3"])
+    after = assigned(LOADED, ["controller.law=pi", "controller.gains.down_up.kp_a_per_rad=3"])
     change = begun(50, LOADED, after, PERIOD_NS)
     assert change == Change(50, 50, LOADED, after)
     assert acting(change, 49) == LOADED and acting(change, 50) == after
@@ -184,8 +202,8 @@ def test_what_does_not_change_keeps_its_bits_while_others_move(share):
     ("assignments", "links"),
     [
         (["controller.law=pi"], 0b111),
-        (["controller.gains.rotate.kp_a_per_q=3"], 0b001),
-        (["controller.gains.down_up.kp_a_per_q=3", "controller.gains.out_in.ki_a_per_q_s=3"], 0b110),
+        (["controller.gains.rotate.kp_a_per_rad=3"], 0b001),
+        (["controller.gains.down_up.kp_a_per_rad=3", "controller.gains.out_in.ki_a_per_m_s=3"], 0b110),
         (["controller.impedance.mass_kg=3"], 0),
     ],
 )

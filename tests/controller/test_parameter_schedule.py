@@ -19,7 +19,7 @@ def test_a_change_waits_for_the_first_tick_at_or_after_its_time():
 
 def test_changes_build_on_one_another_in_the_order_of_their_times_and_those_of_one_tick_are_one():
     changes = (
-        ScheduledChange(0.5, ("controller.gains.down_up.kp_a_per_q=3",)),
+        ScheduledChange(0.5, ("controller.gains.down_up.kp_a_per_rad=3",)),
         ScheduledChange(0.4999, ("controller.law=vetia",)),
         PI,
     )

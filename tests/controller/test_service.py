@@ -52,7 +52,8 @@ def test_a_load_without_a_plant_is_refused():
 @pytest.mark.parametrize(
     "wrong",
     [
-        {"initial_q": [0.0, 0.0]},
+        {"initial_q": [0.0, 0.0, 0.0]},
+        {"initial_q": {"rotate": 0.0}},
         {"environment": {"kind": "plate", "stiffness_n_per_m": 0, "surface_m": 0.0}, "machine": {"sensor_stiffness_n_per_m": 0}},
     ],
 )
@@ -146,12 +147,12 @@ PRESS = find("fig-5-5")
 
 def test_a_change_acts_at_the_next_sample_which_the_answer_names_and_is_told_value_by_value():
     cell = Cell(SWING).to_tick(40)
-    assert cell.ask("parameters", set=["controller.law=pi", "controller.gains.down_up.kp_a_per_q=3"]) is None
+    assert cell.ask("parameters", set=["controller.law=pi", "controller.gains.down_up.kp_a_per_rad=3"]) is None
     number, before = cell.number, cell.controller.params
     cell.sample(41)
     ((accepted, _, values),) = cell.answers
     assert accepted and values["number"] == number and values["ramp_samples"] == 1
-    assert [one["path"] for one in values["changed"]] == ["controller.law", "controller.gains.down_up.kp_a_per_q"]
+    assert [one["path"] for one in values["changed"]] == ["controller.law", "controller.gains.down_up.kp_a_per_rad"]
     law, gain = cell.bus.of("controller/parameter_change")
     assert law == ParameterEvent(number, 41, 1, "controller.law", '"final"', '"pi"', 1)
     assert (gain.old, gain.new) == (repr(before.gains[1].kp_a_per_q), "3.0")
@@ -256,7 +257,7 @@ def test_a_soft_target_whose_push_leaves_the_travel_is_refused_as_at_a_load():
     ("wanted", "words"),
     [
         (["controller.law=bang"], "controller.law is 'bang'"),
-        (["controller.gains.down_up.kp_a_per_q=-1"], "greater than or equal to 0"),
+        (["controller.gains.down_up.kp_a_per_rad=-1"], "greater than or equal to 0"),
         (["controller.law=pi", "controller.slew_codes=100"], "slew_codes stays"),
         (["supervisor.force_limit_n=1"], "only [controller]"),
         ([], "nothing would change"),
@@ -264,8 +265,8 @@ def test_a_soft_target_whose_push_leaves_the_travel_is_refused_as_at_a_load():
         ([3], "no list"),
         (["controller.law=1979-05-27"], "use text, numbers"),
         (["controller.law=" + "[" * 100_000], "controller.law is"),
-        (["controller.gains.down_up.kp_a_per_q=1e400"], "kp_a_per_q"),
-        (["controller.gains.down_up.kp_a_per_q=" + "9" * 5000], "digits"),
+        (["controller.gains.down_up.kp_a_per_rad=1e400"], "kp_a_per_rad"),
+        (["controller.gains.down_up.kp_a_per_rad=" + "9" * 5000], "digits"),
     ],
 )
 def test_what_may_not_be_is_refused_at_once_and_nothing_changes(wanted, words):

@@ -110,7 +110,7 @@ experiment = "fig-4-25"
 claims = true
 
 [[axes]]
-path = "controller.gains.down_up.kp_a_per_q"
+path = "controller.gains.down_up.kp_a_per_rad"
 list = [3.0, 3.5]
 """
 

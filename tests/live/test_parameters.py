@@ -17,7 +17,7 @@ from tests.support.live_cell import Cell, end, experiment, hydrohil, own_place, 
 pytestmark = pytest.mark.live
 WALL_CLOCK = {"sample_age_s"}
 LASTS_S = 15.0  # a command takes seconds to start on a busy machine
-GAIN = "controller.gains.down_up.kp_a_per_q"
+GAIN = "controller.gains.down_up.kp_a_per_rad"
 
 
 @pytest.fixture(scope="module")

@@ -1,7 +1,7 @@
 import pytest
 from pydantic import TypeAdapter, ValidationError
 
-from hydrohil.services.plant.config import GateLimits, PlantConfig, latch_substeps, tare_ticks
+from hydrohil.services.plant.config import GateLimits, PlantConfig, StartPosition, latch_substeps, tare_ticks
 
 PLANT = TypeAdapter(PlantConfig)
 
@@ -31,8 +31,8 @@ def test_the_bias_is_taken_over_whole_samples():
         ("jitter_substeps", 20, 21),
         ("latch_substeps", 0, -1),
         ("bias_s", 10.0, 10.1),
-        ("initial_q", (0.0, 0.0, 1.04), (0.0, 0.0, 1.05)),
-        ("initial_q", (0.0, 0.47, 0.0), (0.0, 0.48, 0.0)),
+        ("initial_q", StartPosition(out_in=1.04), StartPosition(out_in=1.05)._asdict()),
+        ("initial_q", StartPosition(down_up=0.47), StartPosition(down_up=0.48)._asdict()),
     ],
 )
 def test_what_an_experiment_says_to_the_plant_is_bounded(field, good, bad):

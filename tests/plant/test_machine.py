@@ -109,7 +109,7 @@ def test_viscous_friction_alone_brakes_exponentially():
 
 def test_a_start_outside_the_travel_is_refused_by_name():
     machine_start(UNIMATE, FREE, (0.0, 0.0, 1.04))
-    with pytest.raises(ValueError, match=r"link 3 starts at 1\.05"):
+    with pytest.raises(ValueError, match=r"out_in starts at 1\.05 m"):
         machine_start(UNIMATE, FREE, (0.0, 0.0, 1.05))
 
 

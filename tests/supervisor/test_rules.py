@@ -16,7 +16,7 @@ from tests.support.supervisor_scene import CONFIG, FINE, LIMITS, changed
 
 NAN, INF = math.nan, math.inf
 RAW, TARED = CONFIG.raw_force_limit_n, CONFIG.force_limit_n
-SPEED, FASTEST = CONFIG.joint_speed_limit, CONFIG.tip_speed_limit_m_per_s
+SPEED, FASTEST = CONFIG.joint_speed_limit_q_per_s, CONFIG.tip_speed_limit_m_per_s
 STEP = tuple(FULL_SPEED[i] * 0.0045 + LIMITS.count_q[i] * (1.0 + 1e-9) for i in range(4))
 LOW_Q, HIGH_Q = CONFIG.joint_low_q, CONFIG.joint_high_q
 LOW_M, HIGH_M = CONFIG.workspace_low_m, CONFIG.workspace_high_m

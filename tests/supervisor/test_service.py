@@ -121,7 +121,7 @@ def test_an_emergency_stop_does_not_wait_for_a_sample():
         ({"force_limit_n": 335.0}, "force_limit_n"),
         ({"workspace_low_m": [-2.0, -2.0, -1.7]}, "workspace_low_m"),
         ({"workspace_high_m": [2.0, 2.1, 0.8]}, "workspace_high_m"),
-        ({"joint_high_q": [0.0, 0.48, 1.0]}, "joint_high_q"),
+        ({"joint_high_q": {"down_up": 0.48}}, "joint_high_q.down_up"),
         ({"bias_limit_n": 61.0}, "bias_limit_n"),
     ],
 )

@@ -3,7 +3,7 @@
 import numpy as np
 from scipy.signal import TransferFunction, lsim
 
-from hydrohil.claims.signals import COUNT_RAD
+from hydrohil.claims.signals import COUNT_Q
 from hydrohil.claims.trace import Trace
 from hydrohil.experiment.experiment import Experiment
 from hydrohil.services.controller.config import segment_table
@@ -15,7 +15,7 @@ from tests.hydrohil.claims.test_trace import standing
 EXPERIMENT = find("fig-4-25")
 GAINS = EXPERIMENT.controller.gains[1]
 LINK = 1
-COUNT = COUNT_RAD[LINK]
+COUNT = COUNT_Q[LINK]
 
 
 def bench(run, seeds=1) -> Bench:

@@ -8,6 +8,7 @@ import pytest
 from hydrohil.campaign.reading import find_campaign, read, shipped
 from hydrohil.campaign.trials import count, validate
 from hydrohil.experiment.errors import ExperimentError
+from hydrohil.shared.contract.link_units import plain_of
 from tests.support.campaign_scene import plan, table, write
 
 
@@ -29,7 +30,7 @@ def test_the_stability_map_has_a_hundred_by_a_hundred_trials_and_both_laws_meet_
 
 
 @pytest.mark.parametrize(
-    "field", ["coulomb_tau", "breakaway_tau", "flow_gain_m3_per_s_sqrt_pa", "bulk_modulus_pa", "cross_leak_m3_per_s_pa"]
+    "field", ["coulomb_nm", "breakaway_nm", "flow_gain_m3_per_s_sqrt_pa", "bulk_modulus_pa", "cross_leak_m3_per_s_pa"]
 )
 def test_the_thousand_plants_lie_about_the_one_that_ships(field: str):
     from hydrohil.campaign.formula import evaluate
@@ -37,7 +38,7 @@ def test_the_thousand_plants_lie_about_the_one_that_ships(field: str):
 
     path = f"plant.machine.down_up.{field}"
     formulas = [axis.sets[path] for axis in find_campaign("law-robustness").campaign.sweep.values() if path in axis.sets]
-    assert [evaluate(formula, 1.0) for formula in formulas] == [pytest.approx(getattr(UNIMATE.down_up, field))]
+    assert [evaluate(formula, 1.0) for formula in formulas] == [pytest.approx(plain_of(UNIMATE)["down_up"][field])]
 
 
 def test_a_name_that_nothing_has_leads_to_the_nearest():

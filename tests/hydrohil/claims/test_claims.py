@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 
 from hydrohil.claims.claims import UNITS, Claim, band, dimension, judge, problems
-from hydrohil.claims.signals import COUNT_RAD
+from hydrohil.claims.signals import COUNT_Q
 from hydrohil.shared.units import RAD_PER_DEG
 from tests.hydrohil.claims.test_trace import link, standing
 
@@ -48,7 +48,7 @@ def test_one_sided_bands_look_at_their_own_limit_only(comparison, on, past):
 
 def test_two_counts_measured_as_a_difference_of_angles_are_two_counts():
     trace = standing(3.0)
-    trace = trace._replace(q_set=trace.q_set + 0.3, q=trace.q + (0.3 - 2.0 * COUNT_RAD[1]))
+    trace = trace._replace(q_set=trace.q_set + 0.3, q=trace.q + (0.3 - 2.0 * COUNT_Q[1]))
     claim = CLAIM._replace(metric="steady_error_counts", channel="q2", unit="counts", comparison="below", high=2.0)
     assert judge(claim, trace).holds
     assert not judge(claim._replace(high=1.999), trace).holds
@@ -77,7 +77,7 @@ def test_the_measured_number_is_in_the_claims_unit():
     assert judge(claim._replace(unit="deg"), trace).measured == pytest.approx(0.5)
     assert judge(claim._replace(unit="rad"), trace).measured == pytest.approx(0.5 * RAD_PER_DEG)
     counts = claim._replace(metric="steady_error_counts", unit="counts")
-    assert judge(counts, trace).measured == pytest.approx(0.5 * RAD_PER_DEG / COUNT_RAD[1])
+    assert judge(counts, trace).measured == pytest.approx(0.5 * RAD_PER_DEG / COUNT_Q[1])
     percent = CLAIM._replace(metric="steady_error", unit="%")
     assert judge(percent, pushing(94.0)._replace(force_set_n=np.full(668, 100.0))).measured == pytest.approx(6.0)
 

@@ -4,11 +4,11 @@ import numpy as np
 import pytest
 
 from hydrohil.claims import cycles
-from hydrohil.claims.signals import COUNT_RAD
+from hydrohil.claims.signals import COUNT_Q
 from hydrohil.claims.trace import window
 from tests.hydrohil.claims.test_trace import link, standing
 
-COUNT = COUNT_RAD[1]
+COUNT = COUNT_Q[1]
 
 
 def square(onset_s, half_s, counts=4.0, duration_s=40.0, silent=()):

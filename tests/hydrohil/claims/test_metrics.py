@@ -6,10 +6,10 @@ import pytest
 
 from hydrohil.claims import metrics
 from hydrohil.claims.metrics import METRICS, MetricName
-from hydrohil.claims.signals import COUNT_RAD, alternations, moves
+from hydrohil.claims.signals import COUNT_Q, alternations, moves
 from tests.hydrohil.claims.test_trace import link, standing
 
-COUNT = COUNT_RAD[1]
+COUNT = COUNT_Q[1]
 
 
 def sine(duration_s, amplitude=1.0, hz=1.0, share=1.0, lag_rad=0.0):

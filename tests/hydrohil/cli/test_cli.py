@@ -113,7 +113,7 @@ def test_the_seed_changes_the_run_and_repeats_it(tmp_path: Path):
         (("run", "fig-4-26"), ("fig-4-26", "fig-4-25")),
         (("show", "final-sin"), ("final-sin", "final-sine")),
         (("run", EXPERIMENT, "--set", "controller.lew=pi"), ("lew", "law")),
-        (("run", EXPERIMENT, "--set", "plant.initial_q.2=1.05"), ("initial_q", "1.05 m", "1.04")),
+        (("run", EXPERIMENT, "--set", "plant.initial_q.out_in=1.05"), ("initial_q", "1.05 m", "1.04")),
         (("run", EXPERIMENT, "--set", "duration_s=3601.0"), ("3601", "s", "3600")),
         (("run", EXPERIMENT, "--set", "duration_s"), ("path=value",)),
         (("run", "fig-5-2", "--set", "controller.impedance.stiffness_n_per_m=-5.0"), ("-5.0 N/m", "greater than 0")),

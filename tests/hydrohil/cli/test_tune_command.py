@@ -12,7 +12,7 @@ from hydrohil.experiment.experiment import from_toml
 from hydrohil.shared.units import A_PER_RAD_PER_MA_PER_DEG
 from hydrohil.thesis.library import find
 
-STUCK = ("--set", "plant.machine.down_up.breakaway_tau=9000.0")  # twice what the actuator can
+STUCK = ("--set", "plant.machine.down_up.breakaway_nm=9000.0")  # twice what the actuator can
 
 
 def hydrohil(*arguments: str) -> Result:
@@ -23,7 +23,7 @@ def hydrohil(*arguments: str) -> Result:
 def tuned(tmp_path_factory):
     folder = tmp_path_factory.mktemp("tuned")
     done = hydrohil(
-        "tune", "--link", "2", "--seeds", "1", "--json", str(folder / "new" / "t.json"), "--toml", str(folder / "mine.toml")
+        "tune", "--link", "down_up", "--seeds", "1", "--json", str(folder / "new" / "t.json"), "--toml", str(folder / "mine.toml")
     )
     assert done.exit_code == 0, done.output
     return done.stdout, json.loads((folder / "new" / "t.json").read_text()), folder / "mine.toml"
@@ -54,7 +54,7 @@ def test_all_six_steps_leave_evidence_and_a_decision(tuned):
 
 def test_the_tuned_gains_track_the_fastest_ramp_no_worse_than_table_2(tuned):
     worth = {one["pattern"]: one for one in tuned[1]["links"][0]["worth"]}
-    assert worth["large-ramp"]["tuned_q"] <= worth["large-ramp"]["before_q"]
+    assert worth["large-ramp"]["tuned_rad"] <= worth["large-ramp"]["before_rad"]
 
 
 def test_the_written_experiment_has_the_tuned_gains_and_runs(tuned):
@@ -68,7 +68,7 @@ def test_the_written_experiment_has_the_tuned_gains_and_runs(tuned):
 
 def test_a_plant_that_cannot_be_tuned_ends_with_1_and_names_the_step(tmp_path: Path):
     toml, report = tmp_path / "mine.toml", tmp_path / "t.json"
-    stuck = hydrohil("tune", "--link", "2", "--seeds", "1", *STUCK, "--toml", str(toml), "--json", str(report))
+    stuck = hydrohil("tune", "--link", "down_up", "--seeds", "1", *STUCK, "--toml", str(toml), "--json", str(report))
     assert stuck.exit_code == 1, stuck.output
     assert "step 1 found no acceptable value" in stuck.stdout and "it is stuck or too slow" in stuck.stdout
     assert not toml.exists()
@@ -79,10 +79,10 @@ def test_a_plant_that_cannot_be_tuned_ends_with_1_and_names_the_step(tmp_path: P
 @pytest.mark.parametrize(
     ("arguments", "words"),
     [
-        (("--link", "4"), ("'4'", "1, 2, 3 or all")),
+        (("--link", "2"), ("'2'", "rotate, down_up, out_in, all")),
         (("fig-4-26",), ("fig-4-26", "fig-4-25")),
-        (("--set", "plant.machine.down_up.breakaway=1.0"), ("breakaway", "breakaway_tau")),
-        (("--link", "2", "--set", "controller.gains.down_up.qd_max_q_per_s=2.0"), ("leaves the travel", "down/up")),
+        (("--set", "plant.machine.down_up.breakaway=1.0"), ("breakaway", "breakaway_nm")),
+        (("--link", "down_up", "--set", "controller.gains.down_up.qd_max_rad_per_s=2.0"), ("leaves the travel", "down/up")),
     ],
 )
 def test_wrong_usage_ends_with_2_and_says_what_is_expected(arguments: tuple[str, ...], words: tuple[str, ...]):

@@ -20,6 +20,8 @@ from hydrohil.experiment.experiment import (
     to_toml,
 )
 from hydrohil.services.controller.config import ControllerConfig, Segment
+from hydrohil.services.controller.params import OUT_IN_GAINS, UNIMATE_GAINS
+from hydrohil.thesis.library import catalogue
 
 CLAIM = Claim(
     "it follows",
@@ -73,8 +75,14 @@ def test_every_default_is_spelled_out():
     plain = tomllib.loads(to_toml(EXPERIMENT))
     for section in ("plant", "controller", "supervisor"):
         assert set(plain[section]) == set(getattr(EXPERIMENT, section)._fields)
-    assert set(plain["plant"]["machine"]["down_up"]) == set(EXPERIMENT.plant.machine.down_up._fields)
-    assert len(plain["controller"]["gains"]) == 3
+    for link in ("rotate", "down_up", "out_in"):
+        assert len(plain["plant"]["machine"][link]) == len(EXPERIMENT.plant.machine.down_up)
+        assert len(plain["controller"]["gains"][link]) == len(EXPERIMENT.controller.gains.down_up)
+
+
+@pytest.mark.parametrize("experiment", catalogue(), ids=lambda experiment: str(experiment.name))
+def test_what_is_written_as_toml_loads_back_equal(experiment):
+    assert from_plain(tomllib.loads(to_toml(experiment)), "trial.toml") == experiment
 
 
 def test_the_hash_is_that_of_the_bytes_as_sent():
@@ -129,17 +137,41 @@ def test_a_wrong_type_is_refused_not_converted():
 
 
 def test_an_unknown_field_is_refused_with_the_nearest_names():
-    (line,) = refused(controller__gains__1__kp_a_per_deg=215)
-    assert line.startswith("trial.toml: controller.gains.1.kp_a_per_deg is no field: remove it or use one of kp_a_per_q")
+    (line,) = refused(controller__gains__down_up__kp_a_per_deg=215)
+    assert line.startswith("trial.toml: controller.gains.down_up.kp_a_per_deg is no field: remove it or use one of kp_a_per_rad")
+    (line,) = refused(controller__gains__out_in__kp_a_per_rad=215)
+    assert line.startswith("trial.toml: controller.gains.out_in.kp_a_per_rad is no field: remove it or use one of kp_a_per_m")
+    assert refused(controller__gains__out_in__kp_a_per_q=215) == (
+        "trial.toml: controller.gains.out_in.kp_a_per_q is no field: use kp_a_per_m",
+    )
     (line,) = refused(durations_s=5.0)
     assert line == "trial.toml: durations_s is no field: remove it or use one of duration_s"
 
 
 def test_a_value_out_of_bounds_is_named_with_its_unit():
-    (line,) = refused(controller__gains__1__kp_a_per_q=-3.0)
-    assert "controller.gains.1.kp_a_per_q is -3.0 A/rad: expected greater than or equal to 0; correct the value" in line
-    (line,) = refused(plant__initial_q=[0.0, 0.0, 1.05])
-    assert line == "trial.toml: plant.initial_q.2 is 1.05 m: expected less than or equal to 1.04; correct the value"
+    (line,) = refused(controller__gains__down_up__kp_a_per_rad=-3.0)
+    assert "controller.gains.down_up.kp_a_per_rad is -3.0 A/rad: expected greater than or equal to 0; correct the value" in line
+    (line,) = refused(plant__machine__out_in__viscous_n_s_per_m=-1.0)
+    assert "plant.machine.out_in.viscous_n_s_per_m is -1.0 N s/m: expected" in line
+    (line,) = refused(plant__initial_q__out_in=1.05)
+    assert line == "trial.toml: plant.initial_q.out_in is 1.05 m: expected less than or equal to 1.04; correct the value"
+
+
+def test_links_go_by_name_and_a_list_of_them_is_refused_with_their_names():
+    (line,) = refused(plant__initial_q=[0.0, 0.0, 0.5])
+    assert line == (
+        "trial.toml: plant.initial_q is a list: links go by name, "
+        "write plant.initial_q.rotate, plant.initial_q.down_up, plant.initial_q.out_in"
+    )
+    (line,) = refused(controller__gains=[{}, {}, {}])
+    assert line.startswith("trial.toml: controller.gains is a list: links go by name, write controller.gains.rotate")
+
+
+def test_a_table_of_one_link_keeps_the_other_values_of_that_link():
+    plain = to_plain(EXPERIMENT)
+    plain["controller"]["gains"] = {"out_in": {"kp_a_per_m": 3.0}}
+    gains = from_plain(plain, "trial.toml").controller.gains
+    assert gains == UNIMATE_GAINS._replace(out_in=OUT_IN_GAINS._replace(kp_a_per_q=3.0))
 
 
 @pytest.mark.parametrize("value", [float("nan"), float("inf"), -float("inf")])

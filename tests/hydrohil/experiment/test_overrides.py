@@ -11,10 +11,13 @@ def test_a_field_is_replaced_and_the_rest_stays():
     assert changed == EXPERIMENT._replace(controller=EXPERIMENT.controller._replace(law="pi"))
 
 
-@pytest.mark.parametrize("link", ["1", "down_up"])
-def test_an_element_is_named_by_index_or_link(link):
-    changed = with_overrides(EXPERIMENT, [f"controller.gains.{link}.kp_a_per_q=9"])
-    assert [gains.kp_a_per_q == 9.0 for gains in changed.controller.gains] == [False, True, False]
+@pytest.mark.parametrize(
+    ("link", "field", "changes"),
+    [("down_up", "kp_a_per_rad", [False, True, False]), ("out_in", "kp_a_per_m", [False, False, True])],
+)
+def test_a_gain_goes_by_its_link_in_the_unit_of_that_link(link, field, changes):
+    changed = with_overrides(EXPERIMENT, [f"controller.gains.{link}.{field}=9"])
+    assert [gains.kp_a_per_q == 9.0 for gains in changed.controller.gains] == changes
 
 
 def test_the_last_assignment_wins():
@@ -22,8 +25,8 @@ def test_the_last_assignment_wins():
 
 
 def test_values_may_be_lists_and_quoted_text():
-    changed = with_overrides(EXPERIMENT, ["plant.initial_q=[0.0, 0.1, 0.3]", 'title="A = B"', "source=see = there"])
-    assert changed.plant.initial_q == (0.0, 0.1, 0.3)
+    changed = with_overrides(EXPERIMENT, ["supervisor.workspace_low_m=[0.0, 0.1, 0.3]", 'title="A = B"', "source=see = there"])
+    assert changed.supervisor.workspace_low_m == (0.0, 0.1, 0.3)
     assert (changed.title, changed.source) == ("A = B", "see = there")
 
 
@@ -39,9 +42,17 @@ def test_an_element_of_any_list_can_be_reached():
     [
         ("controller.lav=pi", "--set controller.lav: lav is no field of controller; use one of law"),
         ("duration=5", "--set duration: duration is no field of an experiment; use one of duration_s"),
-        ("controller.gains.3.kp_a_per_q=1", "3 is no field of controller.gains; use one of 0, 1, 2, down_up, out_in, rotate"),
+        (
+            "controller.gains.3.kp_a_per_rad=1",
+            "controller.gains.3 is no field: links go by name; use one of rotate, down_up, out_in",
+        ),
         ("reference.rotate.amount=1", "rotate is no field of reference; use one of 0, 1"),
         ("duration_s.x=1", "duration_s is a value without fields; end the path there"),
+        ("controller.gains.out_in.kp_a_per_rad=1", "kp_a_per_rad is no field of controller.gains.out_in; use one of kp_a_per_m"),
+        (
+            "controller.acting=[true, true, false]",
+            "controller.acting is a list: links go by name, write controller.acting.rotate",
+        ),
         ("controller.law", "expected path=value"),
         ("=pi", "expected path=value"),
         ("controller.law=p", "controller.law is \"p\": expected 'pi', 'morse'"),

@@ -6,7 +6,7 @@ import pytest
 from hydrohil.experiment.experiment import Experiment
 from hydrohil.services.controller.config import ControllerConfig, ImpedanceConfig, Segment, segment_table
 from hydrohil.services.controller.step import control_start
-from hydrohil.services.plant.config import GateLimits, PlantConfig, tare_ticks
+from hydrohil.services.plant.config import GateLimits, PlantConfig, StartPosition, tare_ticks
 from hydrohil.services.plant.device import Timeline
 from hydrohil.services.plant.emulator import Emulator
 from hydrohil.services.plant.noise import force_noise_n, sample_intervals
@@ -21,7 +21,7 @@ from hydrohil.simulation.rollout import SEGMENT_COLUMNS, play_local, rollout, se
 SURFACE_M = UNIMATE.a2_m - UNIMATE.a4_m + 0.002  # the plate presses on the tool from the start
 PLANT = PlantConfig(
     environment=Environment("plate", stiffness_n_per_m=7208.0, surface_m=SURFACE_M),
-    initial_q=(0.0, 0.0, 0.212),
+    initial_q=StartPosition(0.0, 0.0, 0.212),
     jitter_substeps=10,
     bias_s=0.3,
 )

@@ -51,7 +51,7 @@ def found(share):
 def test_a_link_that_is_too_slow_for_the_ramp_is_refused_with_what_to_do():
     assert proportional_step(bench(None), GAINS, found(0.91)).gains is not None
     slow = proportional_step(bench(None), GAINS, found(0.89))
-    assert slow.gains is None and "qd_max_q_per_s" in slow.decision
+    assert slow.gains is None and "qd_max_rad_per_s" in slow.decision
 
 
 def test_the_gain_taken_lies_the_margin_below_the_largest_stable():

@@ -55,7 +55,9 @@ def test_a_trial_is_free_and_isolated_whatever_the_experiment_does():
 
 
 def test_the_place_keeps_as_much_again_as_the_pattern_from_the_limits():
-    tight = EXPERIMENT._replace(supervisor=EXPERIMENT.supervisor._replace(joint_low_q=(-1.0, -0.3, 0.0)))
+    tight = EXPERIMENT._replace(
+        supervisor=EXPERIMENT.supervisor._replace(joint_low_q=EXPERIMENT.supervisor.joint_low_q._replace(down_up=-0.3))
+    )
     assert middle_q(tight, 1, GAINS[1]) == pytest.approx(-0.3 + 20.0 * RAD_PER_DEG)
     assert middle_q(EXPERIMENT, 1, GAINS[1]) == EXPERIMENT.plant.initial_q[1]
     assert middle_q(EXPERIMENT, 2, GAINS[2]) == pytest.approx(EXPERIMENT.supervisor.joint_low_q[2] + 0.4)

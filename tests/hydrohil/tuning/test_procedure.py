@@ -8,6 +8,7 @@ import pytest
 import hydrohil.tuning
 from hydrohil.experiment.experiment import Experiment
 from hydrohil.experiment.overrides import with_overrides
+from hydrohil.experiment.sections import Gains
 from hydrohil.simulation.rollout import rollout
 from hydrohil.tuning.linear import proportional
 from hydrohil.tuning.procedure import STEPS, tune_link, worth
@@ -67,7 +68,7 @@ def test_the_proportional_gain_follows_stiffness_and_flow_of_the_plant():
 
 def test_patterns_that_leave_the_travel_are_refused_before_any_trial():
     wide = EXPERIMENT._replace(
-        controller=EXPERIMENT.controller._replace(gains=(GAINS, GAINS._replace(qd_max_q_per_s=2.0), GAINS))
+        controller=EXPERIMENT.controller._replace(gains=Gains(GAINS, GAINS._replace(qd_max_q_per_s=2.0), GAINS))
     )
     with pytest.raises(ValueError, match="leaves the travel"):
         tune_link(bench(None)._replace(experiment=wide))

@@ -52,9 +52,7 @@ def test_the_emulated_unimate_breaks_away_within_a_twentieth_of_table_2():
 
 def test_thresholds_follow_the_friction_of_the_plant():
     link = "plant.machine.down_up"
-    weaker, normal, stronger = (
-        emulated(f"{link}.breakaway_tau={fs}", f"{link}.coulomb_tau=80.0") for fs in (235.0, 470.0, 940.0)
-    )
+    weaker, normal, stronger = (emulated(f"{link}.breakaway_nm={fs}", f"{link}.coulomb_nm=80.0") for fs in (235.0, 470.0, 940.0))
     assert weaker[0] < normal[0] < stronger[0] and weaker[1] < normal[1] < stronger[1]
     unequal = [up - down for down, up in (weaker, normal, stronger)]
     assert max(unequal) - min(unequal) < 0.2 * max(unequal)  # weight and null bias, which friction does not change

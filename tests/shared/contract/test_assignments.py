@@ -1,7 +1,8 @@
 import pytest
 
 from hydrohil.services.controller.config import ControllerConfig
-from hydrohil.shared.contract.assignments import nearest, parsed, plain_of, put, written
+from hydrohil.shared.contract.assignments import nearest, parsed, put, written
+from hydrohil.shared.contract.link_units import plain_of
 
 CONFIG = ControllerConfig()
 
@@ -37,10 +38,10 @@ def test_what_is_written_is_read_as_the_same_value(value):
 
 def test_a_value_is_put_where_the_path_leads_and_nowhere_else():
     plain = {"controller": plain_of(CONFIG)}
-    put(plain, "controller.gains.down_up.kp_a_per_q", 3.0)
-    put(plain, "controller.gains.2.kp_a_per_q", 4.0)
+    put(plain, "controller.gains.down_up.kp_a_per_rad", 3.0)
+    put(plain, "controller.gains.out_in.kp_a_per_m", 4.0)
     kept = plain_of(CONFIG)
-    kept["gains"][1]["kp_a_per_q"], kept["gains"][2]["kp_a_per_q"] = 3.0, 4.0
+    kept["gains"]["down_up"]["kp_a_per_rad"], kept["gains"]["out_in"]["kp_a_per_m"] = 3.0, 4.0
     assert plain == {"controller": kept}
 
 
@@ -49,7 +50,7 @@ def test_a_value_is_put_where_the_path_leads_and_nowhere_else():
     [
         ("controller.lav", "lav is no field of controller; use one of law"),
         ("controller.law.x", "controller.law is a value without fields"),
-        ("controller.gains.3", "3 is no field of controller.gains; use one of 0, 1, 2, down_up, out_in, rotate"),
+        ("controller.gains.2", "controller.gains.2 is no field: links go by name; use one of rotate, down_up, out_in"),
         ("plant", "plant is no field of an experiment; use one of controller"),
     ],
 )
