@@ -1,4 +1,4 @@
-"""What a cell costs against the number of cells on one host: processor time, latency, answers missed, and where it breaks.
+"""The cost of a cell against the number of cells on one host: processor time, latency, answers missed, and the most that run.
 
 All cells run the same motion at the same time, recorder included. Example: python bench/cells.py --cells 1 2 4 8 --rate-hz 222.2
 """
@@ -13,6 +13,7 @@ import load
 import rig
 
 from hydrohil.cell import processes as cells
+from hydrohil.cell.connection import service_options
 from hydrohil.qualification.loop import trial_of
 
 COLUMNS = ("cells", "cores used", "cores a cell", "p50, us", "p99, us", "unanswered", "tripped")
@@ -21,7 +22,7 @@ COLUMNS = ("cells", "cores used", "cores a cell", "p50, us", "p99, us", "unanswe
 def trial(count: int, given: Any) -> dict[str, Any]:
     """So many cells, each with a trial of its own at the same time."""
     experiment = trial_of(given.seconds, rig.substeps(given.rate_hz))
-    extra = rig.services_options(realtime=not given.no_realtime, permit_ttl_ms=given.permit_ttl_ms)
+    extra = service_options(realtime=not given.no_realtime, lease_ms=given.permit_ttl_ms)
     with ExitStack() as stack:
         rigs = [stack.enter_context(rig.running(place, extra)) for place in places(count, given)]
         pids = [process.pid for _, processes in rigs for process in processes.values()]
@@ -36,7 +37,7 @@ def trial(count: int, given: Any) -> dict[str, Any]:
 
 
 def places(count: int, given: Any) -> list[cells.Place]:
-    """Names and ports that do not meet."""
+    """Names and ports, each cell its own."""
     first = rig.place_of(given)
     return [first._replace(cell=f"{first.cell}-{number}", port=first.port + 4 * number) for number in range(count)]
 
@@ -44,15 +45,15 @@ def places(count: int, given: Any) -> list[cells.Place]:
 def summary(count: int, cores: float, found: list[dict[str, dict[str, Any]]]) -> dict[str, Any]:
     """Of all cells: cores, the worst cell's percentiles, answers missed, cells tripped; one that is silent counts as tripped."""
     counters = [cell["plant"]["counters"] for cell in found if "plant" in cell]
-    latencies = [made["sample_to_accepted_us"] for made in counters if made["sample_to_accepted_us"]]
-    samples = sum(made["samples"] for made in counters)
+    latencies = [one["sample_to_accepted_us"] for one in counters if one["sample_to_accepted_us"]]
+    samples = sum(one["samples"] for one in counters)
     return {
         "cells": count,
         "cores": cores,
         "cores_a_cell": cores / count,
-        "p50_us": max((made["p50"] for made in latencies), default=float("nan")),
-        "p99_us": max((made["p99"] for made in latencies), default=float("nan")),
-        "unanswered": sum(made["unanswered"] for made in counters) / samples if samples else float("nan"),
+        "p50_us": max((one["p50"] for one in latencies), default=float("nan")),
+        "p99_us": max((one["p99"] for one in latencies), default=float("nan")),
+        "unanswered": sum(one["unanswered"] for one in counters) / samples if samples else float("nan"),
         "tripped": sum(cell.get("supervisor", {}).get("mode", "TRIPPED") == "TRIPPED" for cell in found),
     }
 
@@ -70,7 +71,7 @@ def main() -> int:
         with rig.console.status(f"{count} cells"):
             try:
                 results.append(trial(count, given))
-            except cells.CellError as error:  # that is where it breaks
+            except cells.CellError as error:  # more cells than this do not run here
                 rig.console.print(f"{count} cells: {error}")
                 break
     rows = [(*list(result.values())[:5], f"{result['unanswered']:.2%}", result["tripped"]) for result in results]

@@ -15,6 +15,7 @@ from typing import Any, NamedTuple
 import numpy as np
 import rig
 
+from hydrohil.cell.connection import service_options
 from hydrohil.claims.trace import Trace
 from hydrohil.claims.trace_files import read_trace
 from hydrohil.experiment.experiment import Experiment
@@ -65,10 +66,10 @@ def trial(place: Any, experiment: str, settings: list[str], clock: str, seed: in
             words = json.loads(report.read_text()) if report.exists() else {}
             why = words.get("tripped") or words.get("gap") or ended.stderr.strip()[-200:]
             return {"clock": clock, "completed": False, "clean": False, "equal": False, "explained": True, "why": why}
-        made = json.loads(report.read_text())
+        written = json.loads(report.read_text())
         difference = first_difference(read_trace(trace), local)
-    late_tick = made["latencies"]["first_unanswered_tick"]
-    counted = {name: made["latencies"][name] for name in (*FAULTS, "grid_shifts")}
+    late_tick = written["latencies"]["first_unanswered_tick"]
+    counted = {name: written["latencies"][name] for name in (*FAULTS, "grid_shifts")}
     clean = clock == "lockstep" or not any(counted[name] for name in FAULTS)
     where = difference._asdict() if difference else None
     explained = difference is None or (late_tick is not None and difference.tick > late_tick)
@@ -79,7 +80,7 @@ def trial(place: Any, experiment: str, settings: list[str], clock: str, seed: in
 def series(given: Any, experiment: Experiment, local: Trace, *, realtime: bool) -> list[dict[str, Any]]:
     """Every run of both live clocks in one cell."""
     place, results = rig.place_of(given), []
-    with rig.running(place, rig.services_options(realtime=realtime)):
+    with rig.running(place, service_options(realtime=realtime)):
         for clock in given.clock or ("lockstep", "real"):
             for number in range(given.runs):
                 with rig.console.status(f"{clock}, {scheduling(realtime)}: {number + 1} of {given.runs}"):
@@ -121,7 +122,7 @@ def main() -> int:
     given = line.parse_args()
     experiment = with_overrides(find(given.experiment), given.set)
     local = rollout(experiment, given.seed)
-    classes = [wanted for wanted, unwanted in ((True, given.no_realtime), (False, given.realtime)) if not unwanted]
+    classes = [realtime for realtime, excluded in ((True, given.no_realtime), (False, given.realtime)) if not excluded]
     results = [result for realtime in classes for result in series(given, experiment, local, realtime=realtime)]
     rows, unexplained = [], 0
     for key in sorted({(result["clock"], result["realtime"]) for result in results}):

@@ -1,7 +1,7 @@
 """A fuzzer on every decoder: frames of every topic, requests and answers, envelopes, experiments.
 
-No input may raise, none may be accepted that is not what it says, and no forgery may pass that the CRC should have seen.
-Of real frames of every topic it is shown for all errors of one and two bits and all bursts of up to 32 that the CRC sees
+No input may raise, none may be accepted under a false type or sender, and no forgery may pass that the CRC should detect.
+Of real frames of every topic it is shown for all errors of one and two bits and all bursts of up to 32 that the CRC detects
 them (it is linear: by the syndromes of the single bits); those of one and two bits of a command are decoded one by one.
 
 Example: python bench/fuzz.py --count 1000000 --seed 1
@@ -35,11 +35,11 @@ def frames(count: int, rng: random.Random) -> tuple[collections.Counter[str], li
     for i in range(count):
         fuzzed = fuzz.mutated(topics[i % len(topics)], rng)
         try:
-            said = fuzz.complaint(fuzzed)
+            problem = fuzz.complaint(fuzzed)
         except Exception as error:
-            said = f"raised {type(error).__name__}: {error}"
-        if said:
-            wrong.append(f"{fuzzed.topic.key}: {said}: {fuzzed.frame.hex()}")
+            problem = f"raised {type(error).__name__}: {error}"
+        if problem:
+            wrong.append(f"{fuzzed.topic.key}: {problem}: {fuzzed.frame.hex()}")
         found = decode(fuzzed.key, fuzzed.topic, fuzz.CELL, fuzzed.frame, 0)
         outcomes[found.cause if isinstance(found, Rejected) else "accepted: resealed and well-typed"] += 1
         outcomes["CRC not resealed"] += not fuzzed.sealed
@@ -51,11 +51,11 @@ def tried(name: str, count: int, complaint: Callable[[], str]) -> list[str]:
     wrong = []
     for _ in range(count):
         try:
-            said = complaint()
+            problem = complaint()
         except Exception as error:
-            said = f"raised {type(error).__name__}: {error}"
-        if said:
-            wrong.append(f"{name}: {said}")
+            problem = f"raised {type(error).__name__}: {error}"
+        if problem:
+            wrong.append(f"{name}: {problem}")
     return wrong
 
 
@@ -83,8 +83,8 @@ def main() -> int:
     outcomes, wrong = frames(given.count - 2 * few, rng)
     wrong += tried("load", few, lambda: fuzz.load_complaint(text, data, rng))
     wrong += tried("request", few, lambda: fuzz.request_complaint(rng))
-    looked_at, unseen = bit_errors(rng)
-    wrong += unseen
+    looked_at, undetected = bit_errors(rng)
+    wrong += undetected
     for name, times in outcomes.most_common():
         print(f"{times:9d} frames: {name}")
     print(f"{few:9d} envelopes and experiments, and as many requests")

@@ -1,8 +1,8 @@
-"""Sample to accepted command in a real run, and beside it what this host gives an empty process and a bare transport.
+"""Sample to accepted command in a real run, beside an empty process and a bare transport on the same host.
 
 The baselines run just before and just after, at the same rate and in the same scheduling class: an empty process that
 sleeps to an absolute grid, and a ping-pong of frames of the same size between two processes over the same transport.
-A second run goes without warm-up frames: what they save, and what they cost in processor time.
+A second run goes without warm-up frames, to show what they save in latency and cost in processor time.
 Example: python bench/latency.py --seconds 60 --rate-hz 222.2
 """
 
@@ -17,11 +17,12 @@ import load
 import rig
 
 from hydrohil.cell import processes as cells
+from hydrohil.cell.connection import service_options
+from hydrohil.experiment.sections import latch_substeps
 from hydrohil.qualification import probe
 from hydrohil.qualification.loop import EXPERIMENT, settings, trial_of
 from hydrohil.qualification.spread import spread
 from hydrohil.qualification.transport import frame_bytes
-from hydrohil.services.plant.config import latch_substeps
 from hydrohil.shared.units import NS_PER_S, SUBSTEP_NS
 
 PERCENTILES = ("p50", "p99", "max")
@@ -29,7 +30,7 @@ PERCENTILES = ("p50", "p99", "max")
 
 def run(place: cells.Place, given: Any, *, warmups: bool) -> dict[str, Any]:
     """The real run through the command line in a cell of its own: counters of the plant, and processors taken by the cell."""
-    options = rig.services_options(realtime=not given.no_realtime)
+    options = service_options(realtime=not given.no_realtime)
     options["plant"] += [] if warmups else ["--no-warmup"]
     with rig.running(place, options) as (_, processes), tempfile.TemporaryDirectory() as folder:
         report = Path(folder) / "report.json"
@@ -40,11 +41,11 @@ def run(place: cells.Place, given: Any, *, warmups: bool) -> dict[str, Any]:
         taken = (load.processor_s(pids) - used_s) / (time.monotonic() - began)
         if not report.exists():
             raise SystemExit(f"the run did not complete: {ended.stderr.strip()}")
-        made: dict[str, Any] = json.loads(report.read_text())
-    if made["tripped"] or made["gap"]:
-        rig.console.print(f"[red]the run ended early[/]: {made['tripped'] or made['gap']}")
-    counters: dict[str, Any] = made["latencies"]
-    return counters | {"tripped": made["tripped"], "gap": made["gap"], "processors": taken}
+        written: dict[str, Any] = json.loads(report.read_text())
+    if written["tripped"] or written["gap"]:
+        rig.console.print(f"[red]the run ended early[/]: {written['tripped'] or written['gap']}")
+    counters: dict[str, Any] = written["latencies"]
+    return counters | {"tripped": written["tripped"], "gap": written["gap"], "processors": taken}
 
 
 def baselines(given: Any, place: cells.Place, period_ns: int) -> tuple[list[float], list[float]]:
@@ -72,7 +73,7 @@ def main() -> int:
     with rig.console.status("baselines, after"):
         after = baselines(given, place, period_ns)
     sleep, ping = spread(sleep_us + after[0]), spread(ping_us + after[1])
-    return report(given, (counters, without), sleep._asdict(), ping._asdict(), period_ns, latch_substeps(plant))
+    return report(given, (counters, without), sleep._asdict(), ping._asdict(), period_ns=period_ns, latch=latch_substeps(plant))
 
 
 def report(
@@ -98,14 +99,14 @@ def report(
         ("  ratio", *(late[p] / sleep_us[p] for p in PERCENTILES)),
     ]
     rig.table(f"{given.seconds:g} s at {NS_PER_S / period_ns:.1f} Hz, latch {latch * 50} us", ("", *PERCENTILES), rows)
-    for made, words in ((counters, ""), (without, " without warm-up frames")):
+    for one, words in ((counters, ""), (without, " without warm-up frames")):
         rig.console.print(
-            f"{made['samples']} samples, {made['unanswered']} unanswered at the latch, {made['grid_shifts']} shifts of the grid, "
-            f"{made['processors']:.2f} processors{words}"
+            f"{one['samples']} samples, {one['unanswered']} unanswered at the latch, {one['grid_shifts']} shifts of the grid, "
+            f"{one['processors']:.2f} processors{words}"
         )
     figures = {"sleep_us": sleep_us, "ping_us": ping_us, "run": counters, "without_warmup": without, "period_ns": period_ns}
     rig.finish(given.json, figures | {"frame_bytes": frame_bytes(), "seconds": given.seconds, "realtime": not given.no_realtime})
-    return 0 if not any(made["tripped"] or made["gap"] for made in runs) else 1
+    return 0 if not any(one["tripped"] or one["gap"] for one in runs) else 1
 
 
 if __name__ == "__main__":

@@ -1,4 +1,4 @@
-"""What benches share that put a load on live cells: a trial begun, whether it goes on, and the processor time of processes."""
+"""For benches that put a load on live cells: start a trial, ask whether it runs, and take the processor time of processes."""
 
 import os
 import time
@@ -12,7 +12,7 @@ from hydrohil.shared.contract.messages import Mode
 from hydrohil.shared.transport.bus import Bus
 
 TICK_S = 1.0 / os.sysconf("SC_CLK_TCK")
-_LOOK_S = 0.1  # so seldom that looking costs the trial nothing
+_LOOK_S = 0.1  # between two status requests; so few do not disturb the trial
 
 
 def processor_s(pids: Iterable[int]) -> float:
@@ -32,6 +32,6 @@ def begin(bus: Bus, experiment: Experiment, clock: str) -> None:
 
 
 def goes_on(bus: Bus) -> bool:
-    """Whether the trial does."""
+    """Whether the trial still runs; waits a moment first."""
     time.sleep(_LOOK_S)
     return bool(cells.statuses(bus, ("supervisor",)).get("supervisor", {}).get("mode") == Mode.RUNNING.name)

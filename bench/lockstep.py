@@ -1,7 +1,7 @@
-"""How fast a distributed run goes when nothing waits for the clock, beside the transport's limit, and what each process costs.
+"""Speed of a lockstep run beside the transport's limit, and the processor time of each process.
 
 The limit: bare round trips of frames of the same size between two processes, back to back, before and after the run. A cell
-makes one such round trip a sample and computes besides; processor time a sample tells what with.
+makes one such round trip a sample and computes besides; the processor time a sample shows in which process.
 Example: python bench/lockstep.py --seconds 60
 """
 
@@ -13,11 +13,12 @@ import load
 import rig
 
 from hydrohil.cell import processes as cells
+from hydrohil.cell.connection import service_options
 from hydrohil.qualification.loop import trial_of
 from hydrohil.qualification.probe import Settings, ping
 from hydrohil.shared.transport.bus import Bus
 
-HURRIED_NS, PINGED_S = 50_000, 0.25  # a period that no round trip keeps; 5000 of them
+HURRIED_NS, PINGED_S = 50_000, 0.25  # shorter than any round trip; 5000 of them
 RING = 1 << 15
 
 
@@ -53,7 +54,7 @@ def main() -> int:
     with rig.console.status("bare round trips, before"):
         before = limit_per_s(given)
     with (
-        rig.running(rig.place_of(given), rig.services_options(permit_ttl_ms=150.0)) as (bus, processes),
+        rig.running(rig.place_of(given), service_options(lease_ms=150.0)) as (bus, processes),
         rig.console.status(f"lockstep, {given.seconds:g} simulated seconds"),
     ):
         found = trial(bus, processes, given)

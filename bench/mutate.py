@@ -46,9 +46,9 @@ TESTS = {
     "shared/transport/link_stats.py": ["tests/shared/transport/test_link_stats.py"],
     "shared/transport/requests.py": ["tests/shared/transport/test_requests.py", "tests/shared/transport/test_bus.py"],
 }
-EQUIVALENT = {  # changes that no test can see, and why; they are not tried
+EQUIVALENT = {  # changes that no test can detect, and why; they are not tried
     "shared/contract/codec.py": {
-        "if arrays: always True": "of a message without arrays the same checks hold of nothing, a tenth slower"
+        "if arrays: always True": "for a message without arrays the checks have nothing to check; it is only a tenth slower"
     },
 }
 COMPARISONS: dict[type[ast.cmpop], tuple[type[ast.cmpop], ...]] = {
@@ -61,7 +61,10 @@ COMPARISONS: dict[type[ast.cmpop], tuple[type[ast.cmpop], ...]] = {
     ast.In: (ast.NotIn,),
 }
 PRELOADED = ("pytest", "hypothesis.stateful", "numpy", "pydantic", "msgpack")  # imported once; each mutant is a fork
-CPU_S, TIMEOUT_S = 60, 600  # a test that computes or waits for ever is a mutant that was seen; a busy host is none
+CPU_S, TIMEOUT_S = (
+    60,
+    600,
+)  # a test that never ends detects its mutant; a busy host must not
 
 Change = Callable[[Any], object]
 
@@ -170,11 +173,11 @@ def _test(module: str, tree: ast.Module) -> int:
     kernel.compiled = lambda function: function
     name = f"hydrohil.{module.removesuffix('.py').replace('/', '.')}"
     parent, _, own = name.rpartition(".")
-    made = types.ModuleType(name)
-    made.__file__ = str(ROOT / module)
-    sys.modules[name] = made
-    setattr(importlib.import_module(parent), own, made)
-    exec(compile(tree, module, "exec"), made.__dict__)
+    mutant_module = types.ModuleType(name)
+    mutant_module.__file__ = str(ROOT / module)
+    sys.modules[name] = mutant_module
+    setattr(importlib.import_module(parent), own, mutant_module)
+    exec(compile(tree, module, "exec"), mutant_module.__dict__)
     return int(pytest.main(["-x", "-q", "-p", "no:cacheprovider", "-k", "not compiled and not of_its_own", *TESTS[module]]))
 
 

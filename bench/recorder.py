@@ -1,7 +1,7 @@
 """The recorder alone: its share of a core, gaps, bytes a value, memory, at a rate that this host cannot run a cell at.
 
 This process stands for plant, controller and supervisor: over the same transport it sends one sample's messages, in real frames
-with sequence numbers, as often as wanted. Their numbers are noise, which no compression makes smaller than a machine's.
+with sequence numbers, at the rate asked for. Their numbers are noise, which compresses less than the numbers of a machine.
 Example: python bench/recorder.py --minutes 10 --rate-hz 1000
 """
 
@@ -30,7 +30,7 @@ from hydrohil.shared.units import NS_PER_S
 
 LOOP_TOPICS = tuple(topic for topic in TOPICS if topic.per_sample)
 POOL = 997  # different bodies of a topic; a prime, so that they meet the rate's round numbers anew
-TOLD_S = 1.0  # link statistics, as the services publish them
+LINK_STATS_S = 1.0  # link statistics, as the services publish them
 READ_S = 5.0
 JOIN_S = 60.0
 BYTES_PER_MB = 1 << 20
@@ -38,28 +38,28 @@ COUNTS = 4096
 
 
 class Feed(NamedTuple):
-    """A topic, who sends it, and what."""
+    """A topic, the bus that sends it, and the bodies to send."""
 
     topic: Topic
     bus: Bus
     bodies: list[Any]
 
 
-def noise(message: Any, dice: random.Random) -> Any:
+def noise(message: Any, rng: random.Random) -> Any:
     """A body of the right shape: measured quantities scatter, modes and flags stand still."""
-    made = []
+    fields = []
     for name, hint in get_type_hints(message, include_extras=True).items():
         bounds = getattr(hint, "__metadata__", ())
         length = next((bound.min_length for bound in bounds if isinstance(bound, Len)), None)
         kind = float if hint is float or "float" in str(hint) else int
-        made.append(tuple(_drawn(name, kind, dice) for _ in range(length)) if length is not None else _drawn(name, kind, dice))
-    return message(*made)
+        fields.append(tuple(_drawn(name, kind, rng) for _ in range(length)) if length is not None else _drawn(name, kind, rng))
+    return message(*fields)
 
 
-def _drawn(name: str, kind: type, dice: random.Random) -> float | int:
+def _drawn(name: str, kind: type, rng: random.Random) -> float | int:
     if kind is float:
-        return dice.gauss(0.0, 1.0)
-    return dice.randrange(COUNTS) if name.endswith(("_counts", "_age_ns", "compute_ns")) else 0
+        return rng.gauss(0.0, 1.0)
+    return rng.randrange(COUNTS) if name.endswith(("_counts", "_age_ns", "compute_ns")) else 0
 
 
 def numbered(body: Any, number: int, period_ns: int) -> Any:
@@ -87,25 +87,25 @@ def describe(period_ns: int) -> PlantDescription:
 
 
 def publish_link_stats(buses: dict[str, Bus], number: int) -> None:
-    """What every receiver reports once a second: the counts of what it receives from the others."""
+    """What every service publishes once a second: counts of the messages that it receives from the others."""
     for name, bus in buses.items():
-        heard = [topic.key for topic in LOOP_TOPICS if topic.publisher != name and topic.loop]
-        counts = tuple(InboxCounts(key, number, *(0,) * (len(InboxCounts._fields) - 2)) for key in heard)
+        keys = [topic.key for topic in LOOP_TOPICS if topic.publisher != name and topic.loop]
+        counts = tuple(InboxCounts(key, number, *(0,) * (len(InboxCounts._fields) - 2)) for key in keys)
         bus.publish(f"{name}/link_stats", LinkStats(number, counts))
 
 
 def send(feeds: list[Feed], buses: dict[str, Bus], rate_hz: float, seconds: float) -> Iterator[int]:
-    """Sample after sample at the rate; yields the number of those sent; what is late is sent at once."""
+    """Sample after sample at the rate; yields the number of those sent; a late sample is sent at once."""
     period_ns = round(NS_PER_S / rate_hz)
-    began_ns, told_ns = time.monotonic_ns(), 0
+    began_ns, published_ns = time.monotonic_ns(), 0
     for number in range(round(seconds * rate_hz)):
         due_ns = number * period_ns
         if (early_ns := began_ns + due_ns - time.monotonic_ns()) > 0:
             time.sleep(early_ns / NS_PER_S)
         for topic, bus, bodies in feeds:
             bus.publish(topic.key, numbered(bodies[number % POOL], number, period_ns), (number, due_ns))
-        if due_ns - told_ns >= TOLD_S * NS_PER_S:
-            told_ns = due_ns
+        if due_ns - published_ns >= LINK_STATS_S * NS_PER_S:
+            published_ns = due_ns
             publish_link_stats(buses, number)
         yield number + 1
 
@@ -126,8 +126,8 @@ def measure(place: cells.Place, rate_hz: float, seconds: float, folder: Path, ex
             buses = {name: stack.enter_context(Bus(name, place.cell, place.port, draw_number())) for name in names}
             operator = stack.enter_context(cells.operator_bus(place))
             await_recorder(operator)
-            dice = random.Random(1)
-            feeds = [Feed(t, buses[t.publisher], [noise(t.message, dice) for _ in range(POOL)]) for t in LOOP_TOPICS]
+            rng = random.Random(1)
+            feeds = [Feed(t, buses[t.publisher], [noise(t.message, rng) for _ in range(POOL)]) for t in LOOP_TOPICS]
             buses["plant"].publish("plant/description", describe(round(NS_PER_S / rate_hz)))
             cells.ask(operator, "recorder", "record", 10.0, path="bench.rrd", title="bench")
             result = watch(process.pid, send(feeds, buses, rate_hz, seconds))

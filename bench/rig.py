@@ -1,4 +1,4 @@
-"""What the measuring commands share: a cell of their own, a trial in it, percentiles, tables and JSON."""
+"""Shared parts of the measuring commands: a cell of their own, `hydrohil ...` as a process, tables and JSON."""
 
 import argparse
 import contextlib
@@ -18,36 +18,30 @@ from rich.table import Table
 from hydrohil.cell import processes as cells
 from hydrohil.shared.compiled.kernel import source_version
 from hydrohil.shared.contract.topics import SERVICES
+from hydrohil.shared.host.child import environment, python_module
 from hydrohil.shared.transport.bus import Bus
 from hydrohil.shared.units import SUBSTEP_S
 
-FIRST_PORT, LAST_PORT = 20_000, 30_000  # below the ports that the kernel hands out
+FIRST_PORT, LAST_PORT = 20_000, 30_000  # below the ports that the kernel assigns
 console = Console(width=None if sys.stdout.isatty() else 120, highlight=False)
 
 
 def parser(description: str | None) -> argparse.ArgumentParser:
     """Options of every measuring command."""
-    made = argparse.ArgumentParser(description=description, formatter_class=argparse.RawDescriptionHelpFormatter)
-    made.add_argument("--port", type=int, help="first of the cell's four ports (random)")
-    made.add_argument("--json", type=Path, metavar="FILE", help="write the figures")
-    return made
+    options = argparse.ArgumentParser(description=description, formatter_class=argparse.RawDescriptionHelpFormatter)
+    options.add_argument("--port", type=int, help="first of the cell's four ports (random)")
+    options.add_argument("--json", type=Path, metavar="FILE", help="write the figures")
+    return options
 
 
 def place_of(given: argparse.Namespace) -> cells.Place:
-    """A cell that nobody else has."""
+    """A cell of its own, with random ports."""
     return cells.Place(f"bench-{os.getpid()}", given.port or random.randrange(FIRST_PORT, LAST_PORT, 4))
 
 
 def substeps(rate_hz: float) -> int:
-    """The sampling period that is nearest to the wanted rate."""
+    """The sampling period that is nearest to this rate, in sub-steps."""
     return round(1.0 / (rate_hz * SUBSTEP_S))
-
-
-def services_options(*, realtime: bool = True, permit_ttl_ms: float | None = None) -> dict[str, list[str]]:
-    """Options of each service, as `hydrohil up` passes them."""
-    common = [] if realtime else ["--no-realtime"]
-    lease = [] if permit_ttl_ms is None else ["--permit-ttl-ms", str(permit_ttl_ms)]
-    return {"plant": common + lease, "controller": common, "supervisor": common}
 
 
 @contextlib.contextmanager
@@ -63,25 +57,26 @@ def running(place: cells.Place, extra: dict[str, list[str]]) -> Iterator[tuple[B
 
 
 def hydrohil(*arguments: str, place: cells.Place | None = None) -> subprocess.CompletedProcess[str]:
-    """`hydrohil ...` to its end; what is measured here is measured above a qualified rate too."""
+    """`hydrohil ...` to its end; also above the rate that this host is qualified for."""
     arguments += ("--unqualified",) * (arguments[0] == "run")
     where = [] if place is None else place.words
-    return subprocess.run([sys.executable, "-m", "hydrohil", *arguments, *where], capture_output=True, text=True, check=False)
+    line = [*python_module("hydrohil"), *arguments, *where]
+    return subprocess.run(line, env=environment(), capture_output=True, text=True, check=False)
 
 
 def table(title: str, columns: Sequence[str], rows: Sequence[Sequence[object]]) -> None:
     """Print a table; floats with four digits."""
-    made = Table(title=title, title_justify="left")
+    shown = Table(title=title, title_justify="left")
     for index, column in enumerate(columns):
         numbers = rows and all(isinstance(row[index], int | float) for row in rows)
-        made.add_column(column, justify="right" if numbers else "left")
+        shown.add_column(column, justify="right" if numbers else "left")
     for row in rows:
-        made.add_row(*(f"{value:.4g}" if isinstance(value, float) else str(value) for value in row))
-    console.print(made)
+        shown.add_row(*(f"{value:.4g}" if isinstance(value, float) else str(value) for value in row))
+    console.print(shown)
 
 
 def finish(path: Path | None, result: dict[str, Any]) -> None:
-    """Write the figures with what they were measured on."""
+    """Write the figures, and the host on which they were measured."""
     if path is None:
         return
     host = {"processor": platform.processor() or platform.machine(), "cores": os.cpu_count(), "python": platform.python_version()}

@@ -1,6 +1,6 @@
 """A long trial in a live cell, recorder included: samples missed, memory of every process, trips.
 
-Memory is what /proc says is resident, read every few seconds; growth is the slope of a straight line through the second
+Memory is the resident size in /proc, read every few seconds; growth is the slope of a straight line through the second
 half, when every buffer has been filled once. Example: python bench/soak.py --minutes 20 --rate-hz 500
 """
 
@@ -15,6 +15,7 @@ import rig
 from load import begin
 
 from hydrohil.cell import processes as cells
+from hydrohil.cell.connection import service_options
 from hydrohil.experiment.experiment import Experiment
 from hydrohil.qualification.loop import trial_of
 from hydrohil.shared.contract.codec import Received
@@ -44,15 +45,17 @@ def soak(bus: Bus, processes: cells.Processes, experiment: Experiment) -> dict[s
     samples, permits = bus.subscribe("plant/sample", RING), bus.subscribe("supervisor/permit", RING)
     begin(bus, experiment, "real")
     memory: dict[str, list[tuple[float, int]]] = {name: [] for name in processes}
-    began, heard, read, seen, tick, tripped = time.monotonic(), time.monotonic(), 0.0, 0, 0, False
+    began = last_arrival = time.monotonic()
+    read, count, tick, tripped = 0.0, 0, 0, False
     with rig.console.status("") as status:
-        while not tripped and time.monotonic() - heard < SILENT_S:
+        while not tripped and time.monotonic() - last_arrival < SILENT_S:
             time.sleep(LOOK_S)
             now = time.monotonic() - began
             taken = samples.take()
-            heard = time.monotonic() if taken else heard
+            last_arrival = time.monotonic() if taken else last_arrival
             ticks = [m.body.tick for m in taken if m.body.tick != NO_TRIAL]
-            seen, ended = seen + len(ticks), seen > 0 and taken != [] and taken[-1].body.tick == NO_TRIAL
+            ended = count > 0 and taken != [] and taken[-1].body.tick == NO_TRIAL
+            count += len(ticks)
             tick = ticks[-1] if ticks else tick
             permit = permits.peek()
             tripped = isinstance(permit, Received) and permit.body.mode == Mode.TRIPPED
@@ -60,10 +63,16 @@ def soak(bus: Bus, processes: cells.Processes, experiment: Experiment) -> dict[s
                 read = now
                 for name, process in processes.items():
                     memory[name].append((now, resident_bytes(process.pid)))
-                status.update(f"{now:.0f} of {experiment.duration_s:g} s, {seen} samples")
+                status.update(f"{now:.0f} of {experiment.duration_s:g} s, {count} samples")
             if ended:
                 break
-    return {"memory": memory, "seen": seen, "last_tick": tick, "lost_at_observer": samples.acceptance.lost, "tripped": tripped}
+    return {
+        "memory": memory,
+        "samples": count,
+        "last_tick": tick,
+        "lost_at_observer": samples.acceptance.lost,
+        "tripped": tripped,
+    }
 
 
 def growth(readings: list[tuple[float, int]]) -> dict[str, float]:
@@ -86,7 +95,7 @@ def main() -> int:
     line.add_argument("--no-realtime", action="store_true", help="normal scheduling")
     given = line.parse_args()
     experiment, place = trial_of(given.minutes * 60.0, rig.substeps(given.rate_hz)), rig.place_of(given)
-    extra = rig.services_options(realtime=not given.no_realtime, permit_ttl_ms=given.permit_ttl_ms)
+    extra = service_options(realtime=not given.no_realtime, lease_ms=given.permit_ttl_ms)
     with tempfile.TemporaryDirectory() as folder, rig.running(place, extra) as (bus, processes):
         file = Path(folder) / "soak.rrd"
         cells.ask(bus, "recorder", "record", 10.0, path=str(file), title="soak", summary_markdown="# soak")

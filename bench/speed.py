@@ -36,14 +36,14 @@ class Speed(NamedTuple):
     rest_ns: float  # a sample
 
 
-def machine_alone(made: Setup, codes: Any, intervals: Any) -> MachineState:
+def machine_alone(prepared: Setup, codes: Any, intervals: Any) -> MachineState:
     """The machine at the end of a trial without faults, whose codes (n, 3) are written at the latch from tick 0 on."""
-    state, held = made.start, (ZERO_CODE, ZERO_CODE, ZERO_CODE)
+    state, held = prepared.start, (ZERO_CODE, ZERO_CODE, ZERO_CODE)
     for i in range(len(codes)):
-        state = advance(state, made.machine, made.contact, held, made.latch_substeps)
-        if made.first_tick + i >= 0:
+        state = advance(state, prepared.machine, prepared.contact, held, prepared.latch_substeps)
+        if prepared.first_tick + i >= 0:
             held = (codes[i, 0], codes[i, 1], codes[i, 2])
-        state = advance(state, made.machine, made.contact, held, intervals[i] - made.latch_substeps)
+        state = advance(state, prepared.machine, prepared.contact, held, intervals[i] - prepared.latch_substeps)
     return state
 
 
@@ -60,12 +60,12 @@ def fastest_s(run: Callable[[int], object], trials: int) -> float:
 
 def speed_of(experiment: Experiment, trials: int, alone: Any) -> Speed:
     """One experiment."""
-    made, rows, plant = setup(experiment, GateLimits()), play_local(experiment, 0).rows, experiment.plant
+    prepared, rows, plant = setup(experiment, GateLimits()), play_local(experiment, 0).rows, experiment.plant
     count = len(rows.tick)
-    intervals = sample_intervals(0, made.first_tick, count, plant.sample_period_substeps, plant.jitter_substeps)
+    intervals = sample_intervals(0, prepared.first_tick, count, plant.sample_period_substeps, plant.jitter_substeps)
     codes = rows.dac_counts.copy()
     whole_s = fastest_s(lambda seed: play_local(experiment, seed), trials)
-    machine_s = fastest_s(lambda _: alone(made, codes, intervals), trials)
+    machine_s = fastest_s(lambda _: alone(prepared, codes, intervals), trials)
     return Speed(
         (experiment.duration_s + plant.bias_s) / whole_s,
         machine_s / int(intervals.sum()) * NS,

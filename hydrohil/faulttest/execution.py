@@ -27,7 +27,7 @@ Rigs = Mapping[str, Rig]  # "L": a cell for lockstep, "W": one for the wall cloc
 
 
 class Execution:
-    """Rows under way; what is complete stays, whatever ends it."""
+    """Rows under way; complete results stay if it is interrupted."""
 
     def __init__(self, rows: Sequence[Row], rigs: Rigs, settings: Settings, report: Callable[[str, Trial | None], None]) -> None:
         """`report` gets every trial: its row and way, and what it showed (None: it begins)."""

@@ -1,4 +1,4 @@
-"""Rows 8 to 16: what happens to messages, and to whoever shares the host."""
+"""Rows 8 to 16: faults of messages, and other load on the host."""
 
 from functools import partial
 

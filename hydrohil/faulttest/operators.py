@@ -72,7 +72,7 @@ def stopped_while_tripped(rig: Rig, rng: Random, number: int) -> Trial:
 def recovered(rig: Rig, rng: Random, number: int) -> Trial:
     """Over-force on the plate, RECOVER held, released, reset: only the unloading sign at low current, zero on release."""
     experiment = PRESS._replace(supervisor=PRESS.supervisor._replace(force_limit_n=TRIP_N))
-    rig.moving(SWING, rng)  # a trial begins at its own pose: whatever pressed on the tool before is gone
+    rig.moving(SWING, rng)  # a trial begins at its own pose, so that nothing presses on the tool any more
     rig.started(experiment, rng.randrange(1 << 32))
     rig.wait_for(lambda: rig.status("supervisor").get("mode") == Mode.TRIPPED.name, "the over-force trip")
     before = rig.observer.listen().ground_truths[-1].body.contact_force_n

@@ -13,8 +13,8 @@ class Trial(NamedTuple):
     """One fault, once."""
 
     held: bool
-    words: str  # what happened, for whoever reads a failure
-    reaction_s: float = math.nan  # from the fault to zero current, or whatever the row bounds; NaN = nothing to time
+    words: str  # what happened, to explain a failure
+    reaction_s: float = math.nan  # from the fault to zero current, or another time that the row bounds; NaN = nothing to time
     bound_s: float = math.nan  # what it must not exceed; NaN = the row bounds no time
     stalled_s: float = 0.0  # of the reaction: the host stopped the plant itself, whose grid and machine stood still
     moved_mm: float = math.nan  # largest distance of the tip from where it was at the fault

@@ -78,8 +78,8 @@ def test_a_dead_router_is_a_safe_plant_no_confirmed_stop_and_its_return_resumes_
         stopped = hydrohil(place, "estop")
         assert stopped.returncode == 5 and "NOT CONFIRMED" in stopped.stderr, stopped.stdout + stopped.stderr
         router.start()
-        until(lambda: status(place, "supervisor").get("mode") == "TRIPPED", "the supervisor is heard again, and has tripped")
-        plant = until(lambda: status(place, "plant"), "the plant is heard again")
+        until(lambda: status(place, "supervisor").get("mode") == "TRIPPED", "the supervisor answers again, and has tripped")
+        plant = until(lambda: status(place, "plant"), "the plant answers again")
         assert plant["dac_counts"] == ZERO and plant["revoked_arming_ids"] == 1
         assert plant["last_cut"] in ("PERMIT_STALE", "COMMAND_STALE")
         code, words = ended(run)

@@ -51,7 +51,7 @@ def swing(folder: Path, duration_s: float = 1.5) -> str:
 
 
 def own_place() -> cells.Place:
-    """A cell that nobody else has; its ports lie below those that the kernel hands out."""
+    """A cell of its own; its ports lie below those that the kernel assigns."""
     return cells.Place(f"live-{os.getpid()}-{random.randrange(1 << 30)}", random.randrange(20_000, 30_000, 4))
 
 
@@ -149,7 +149,7 @@ class Cell:
         return run
 
     def calm(self) -> None:
-        """Disarmed again, whatever came before."""
+        """Disarm and reset, from any state."""
         until(lambda: hydrohil(self.place, "reset").returncode == 0, "reset is accepted")
 
 

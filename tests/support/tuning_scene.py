@@ -1,4 +1,4 @@
-"""A link that is no Unimate: known plants behind the interface of a rig, solved by scipy, seen through an encoder."""
+"""A link that is no Unimate: known plants behind the interface of a rig, solved by scipy, read by an encoder."""
 
 import numpy as np
 from scipy.signal import TransferFunction, lsim

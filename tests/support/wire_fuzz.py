@@ -35,7 +35,7 @@ class Fuzzed(NamedTuple):
     topic: Topic
     key: str
     frame: bytes
-    sealed: bool  # the CRC is right for these bytes: the decoder must tell by types alone
+    sealed: bool  # the CRC is right for these bytes: the decoder must decide by types alone
 
 
 def value_of(hint: Any, rng: random.Random) -> Any:
@@ -146,8 +146,8 @@ def _place(fields: Any, rng: random.Random) -> Any:
 
 
 def _another_type(packed: bytes, rng: random.Random) -> bytes:
-    made: bytes = msgpack.packb(_place(msgpack.unpackb(packed), rng))
-    return made
+    changed: bytes = msgpack.packb(_place(msgpack.unpackb(packed), rng))
+    return changed
 
 
 def _nested(packed: bytes, rng: random.Random) -> bytes:
@@ -301,8 +301,8 @@ def syndromes(topic: Topic, rng: random.Random) -> list[int]:
     key, frame = real_frame(topic, rng)
     packed = frame[:-4]
     right = int.from_bytes(crc(key, packed), "little")
-    made = [int.from_bytes(crc(key, _flip(packed, [bit])), "little") ^ right for bit in range(8 * len(packed))]
-    return [*made, *(1 << bit for bit in range(32))]
+    of_bits = [int.from_bytes(crc(key, _flip(packed, [bit])), "little") ^ right for bit in range(8 * len(packed))]
+    return [*of_bits, *(1 << bit for bit in range(32))]
 
 
 def independent(vectors: list[int]) -> bool:

@@ -18,7 +18,7 @@ ZERO = (2048, 2048, 2048)
 
 def header(key, seq=0, **changes):
     topic = BY_KEY[key]
-    made = Header(
+    header = Header(
         version=WIRE_VERSION,
         schema=topic.schema,
         cell=CELL,
@@ -31,7 +31,7 @@ def header(key, seq=0, **changes):
         echo_number=0,
         echo_time_ns=0,
     )
-    return made._replace(**changes)
+    return header._replace(**changes)
 
 
 def permit_body(mode=Mode.RUNNING, **changes):

@@ -1,4 +1,4 @@
-"""A campaign on a Dask cluster in this process: every trial once, whatever was kept before."""
+"""A campaign on a Dask cluster in this process: every trial once, with and without rows from before."""
 
 from collections.abc import Iterator
 from pathlib import Path

@@ -25,14 +25,14 @@ ONE = plan(sweep=STIFFNESS, pictures={"map": MAP, "spread": {"kind": "distributi
 
 
 def rows(missing=()):
-    made = []
+    files = []
     for number in range(count(ONE.campaign)):
         trial = trial_of(ONE.campaign, number)
         peak = None if number in missing else float(10 * trial.point + trial.repeat)
-        made.append(
+        files.append(
             {"trial": number, **trial.parameters, "peak_n": peak, "ended": "tripped" if number in missing else "completed"}
         )
-    return table(made, schema(ONE, "x"))
+    return table(files, schema(ONE, "x"))
 
 
 def test_a_cell_is_the_mean_of_its_repeats_and_axes_ascend():
@@ -54,9 +54,9 @@ def test_the_border_is_twice_and_half_k_eff_whichever_axis_the_plate_is_on():
 
 
 def test_every_picture_is_written(tmp_path: Path):
-    made = draw_all(ONE, rows(missing=(1, 2, 3)), tmp_path)
-    assert [path.name for path in made] == ["tiny-map.png", "tiny-spread.png"]
-    assert all(imread(path).std() > 0.01 for path in made)
+    files = draw_all(ONE, rows(missing=(1, 2, 3)), tmp_path)
+    assert [path.name for path in files] == ["tiny-map.png", "tiny-spread.png"]
+    assert all(imread(path).std() > 0.01 for path in files)
 
 
 def test_a_cell_reaches_halfway_to_its_neighbours_on_its_own_scale():

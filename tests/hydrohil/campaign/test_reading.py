@@ -77,8 +77,8 @@ def test_a_name_that_nothing_has_leads_to_the_nearest():
     ],
 )
 def test_what_is_wrong_is_told_in_one_line_with_what_was_expected(changes: dict[str, Any], words: tuple[str, ...]):
-    told = refused(**changes)
-    assert all(any(word in line for line in told.splitlines()) for word in words), told
+    message = refused(**changes)
+    assert all(any(word in line for line in message.splitlines()) for word in words), message
 
 
 def test_a_file_that_is_no_toml_is_named(tmp_path: Path):

@@ -1,4 +1,4 @@
-"""Parts and the file made of them: whole or not there, of one campaign, one at a time."""
+"""Parts, and the file that is put together from them: whole or not there, of one campaign, one at a time."""
 
 import os
 from pathlib import Path

@@ -19,8 +19,8 @@ def test_every_point_comes_with_every_repeat_exactly_once():
     campaign = plan().campaign
     trials = [trial_of(campaign, number) for number in range(count(campaign))]
     assert (points(campaign), len(trials)) == (6, 12)
-    seen = {(t.parameters["controller.law"], t.parameters["mass_kg"], t.repeat) for t in trials}
-    assert len(seen) == 12
+    combinations = {(t.parameters["controller.law"], t.parameters["mass_kg"], t.repeat) for t in trials}
+    assert len(combinations) == 12
     assert [(t.point, t.repeat, t.seed) for t in trials[:3]] == [(0, 0, 5), (0, 1, 6), (1, 0, 5)]
 
 
@@ -39,8 +39,8 @@ def test_another_axis_or_metric_leaves_the_draws_as_they_are():
 def test_a_formula_decides_the_fields_that_it_names():
     mass = {"natural": {"list": [2.0, 4.0], "sets": {"controller.impedance.mass_kg": "50e3 / value ** 2", "duration_s": "value"}}}
     one = plan(sweep=mass)
-    made = experiment_of(one, trial_of(one.campaign, count(one.campaign) - 1).parameters)
-    assert (made.controller.impedance.mass_kg, made.duration_s) == (3125.0, 4.0)
+    experiment = experiment_of(one, trial_of(one.campaign, count(one.campaign) - 1).parameters)
+    assert (experiment.controller.impedance.mass_kg, experiment.duration_s) == (3125.0, 4.0)
 
 
 @pytest.mark.parametrize("number", [-1, 12])

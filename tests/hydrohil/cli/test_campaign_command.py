@@ -41,10 +41,10 @@ def cut(file: Path, out: Path, number: int) -> SimpleNamespace:
         time.sleep(0.002)
     workers = psutil.Process(process.pid).children(recursive=True)
     process.send_signal(number)
-    told, _ = process.communicate()
+    printed, _ = process.communicate()
     _, left = psutil.wait_procs(workers, timeout=20.0)
     return SimpleNamespace(
-        status=process.returncode, told=told, parts=len(list(parts.glob("*.arrow"))), started=workers, left=left
+        status=process.returncode, printed=printed, parts=len(list(parts.glob("*.arrow"))), started=workers, left=left
     )
 
 
@@ -66,23 +66,25 @@ def broken(file: Path, tmp_path_factory: pytest.TempPathFactory) -> SimpleNamesp
 def whole(file: Path, tmp_path_factory: pytest.TempPathFactory) -> SimpleNamespace:
     """In one go, on a cluster by its address."""
     out = tmp_path_factory.mktemp("whole")
-    with LocalCluster(n_workers=1, threads_per_worker=1, processes=False, protocol="tcp://", dashboard_address=None) as made:
-        return SimpleNamespace(out=out, run=campaign(file, "--out", out, "--scheduler", made.scheduler_address))
+    with LocalCluster(n_workers=1, threads_per_worker=1, processes=False, protocol="tcp://", dashboard_address=None) as local:
+        return SimpleNamespace(out=out, run=campaign(file, "--out", out, "--scheduler", local.scheduler_address))
 
 
 def test_ctrl_c_ends_with_130_and_says_how_to_go_on(broken: SimpleNamespace, file: Path):
-    assert broken.interrupted.status == 130, broken.interrupted.told
-    assert re.search(rf"interrupted: \d+ of 300 trials are kept .*go on with: hydrohil campaign {file}", broken.interrupted.told)
-    assert "Traceback" not in broken.interrupted.told
+    assert broken.interrupted.status == 130, broken.interrupted.printed
+    assert re.search(
+        rf"interrupted: \d+ of 300 trials are kept .*go on with: hydrohil campaign {file}", broken.interrupted.printed
+    )
+    assert "Traceback" not in broken.interrupted.printed
 
 
 def test_a_campaign_that_was_interrupted_and_killed_goes_on_where_it_was(broken: SimpleNamespace):
     assert broken.killed.status == -signal.SIGKILL
     assert 0 < broken.interrupted.parts < broken.killed.parts
     assert broken.last.exit_code == 0, broken.last.output
-    told = json.loads((broken.out / "s.json").read_text())
-    assert 0 < told["ran_now"] < 300 and f"goes on: {300 - told['ran_now']} of 300" in broken.last.stdout
-    assert told["ended"] == {"completed": 300, "tripped": 0, "refused": 0}
+    printed = json.loads((broken.out / "s.json").read_text())
+    assert 0 < printed["ran_now"] < 300 and f"goes on: {300 - printed['ran_now']} of 300" in broken.last.stdout
+    assert printed["ended"] == {"completed": 300, "tripped": 0, "refused": 0}
 
 
 @pytest.mark.parametrize("how", ["interrupted", "killed"])

@@ -15,10 +15,10 @@ def explain(*arguments: str, typed: str | None = None) -> Result:
 
 def test_a_reset_is_refused_while_the_cause_stands_and_the_most_severe_decides():
     run = explain("--mode", "RUNNING", "--broken", "FORCE_RAW,JOINT_LIMIT", "--event", "reset", "--json")
-    seen = json.loads(run.stdout)
-    assert (seen["mode"], seen["cause"], seen["decides"]) == ("TRIPPED", "FORCE_RAW", "FORCE_RAW")
-    assert seen["gate"]["current"] is False
-    assert seen["events"]["reset"].startswith("TRIPPED")
+    scene = json.loads(run.stdout)
+    assert (scene["mode"], scene["cause"], scene["decides"]) == ("TRIPPED", "FORCE_RAW", "FORCE_RAW")
+    assert scene["gate"]["current"] is False
+    assert scene["events"]["reset"].startswith("TRIPPED")
 
 
 def test_lines_come_from_a_pipe():
@@ -74,7 +74,7 @@ def test_a_cause_is_told_as_json_by_rule_and_condition():
     assert (rule["cause"], rule["by"]) == ("FORCE_RAW", "supervisor")
     assert "394" in rule["limit"] and rule["must_hold"] and "hydrohil recover" in rule["to_do"]
     both = json.loads(explain("estop", "--json").stdout)
-    assert [told["by"] for told in both] == ["supervisor", "gate"]
-    assert [told["by"] for told in json.loads(explain("gate.estop", "--json").stdout)] == ["gate"]
+    assert [one["by"] for one in both] == ["supervisor", "gate"]
+    assert [one["by"] for one in json.loads(explain("gate.estop", "--json").stdout)] == ["gate"]
     unknown = explain("FORCE_RAV", "--json")
     assert (unknown.exit_code, unknown.stdout) == (2, "")

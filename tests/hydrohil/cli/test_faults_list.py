@@ -36,8 +36,8 @@ def test_a_row_tells_its_bound_and_how_it_is_tried():
 
 
 def test_the_list_goes_into_a_file(tmp_path: Path):
-    assert faults("--only", "1", "28", "--json", "made/list.json").exit_code == 0
-    first, other = json.loads((tmp_path / "made" / "list.json").read_text())
+    assert faults("--only", "1", "28", "--json", "folder/list.json").exit_code == 0
+    first, other = json.loads((tmp_path / "folder" / "list.json").read_text())
     assert (first["number"], other["number"]) == ("1", "28")
     assert any("tests/" in test for way in other["ways"] for test in way.get("tests", ()))
 

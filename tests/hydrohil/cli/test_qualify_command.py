@@ -49,13 +49,13 @@ def qualify(monkeypatch, tmp_path):
 )
 def test_rates_are_tried_from_the_highest_down_until_one_is_qualified(qualify, keeps_up_ns, tried, status):
     host = Host(keeps_up_ns)
-    made = qualify(host)
+    result = qualify(host)
     assert [period_ns for period_ns, _ in host.asked] == tried
-    assert made.exit_code == status, made.output
+    assert result.exit_code == status, result.output
     found = standing(fifo=True).qualified
     assert found.qualified_period_ns == (tried[-1] if status == 0 else 0)
     assert standing(fifo=False).qualified is None
-    assert "on record until the next boot" in made.stdout
+    assert "on record until the next boot" in result.stdout
 
 
 @pytest.mark.parametrize(
@@ -81,10 +81,10 @@ def test_it_is_recorded_under_what_the_host_has_granted_and_not_under_what_was_a
 @pytest.mark.parametrize("rate", ["0", "-5", "nan", "inf", "97.5", "1026"])
 def test_a_rate_that_no_plant_accepts_ends_with_2_and_says_which_are(qualify, rate):
     host = Host(0)
-    made = qualify(host, "--rate-hz", rate)
-    assert made.exit_code == 2
-    assert "Hz" in made.stderr and "100 to 1000" in made.stderr
-    assert len(made.stderr.strip().splitlines()) == 1 and not host.asked
+    result = qualify(host, "--rate-hz", rate)
+    assert result.exit_code == 2
+    assert "Hz" in result.stderr and "100 to 1000" in result.stderr
+    assert len(result.stderr.strip().splitlines()) == 1 and not host.asked
 
 
 @pytest.mark.parametrize(
@@ -100,14 +100,14 @@ def test_it_takes_as_long_as_was_asked_for(qualify, options, loop_s, baseline_s)
 
 def test_the_file_holds_host_trials_and_status_with_null_for_what_is_missing(qualify, tmp_path):
     file = tmp_path / "new" / "host.json"
-    made = qualify(Host(4_500_000), "--json", str(file))
+    result = qualify(Host(4_500_000), "--json", str(file))
     written = json.loads(file.read_text(), parse_constant=lambda name: pytest.fail(f"{name} is no JSON"))
     assert [(trial["period_ns"], trial["grade"]) for trial in written["trials"]] == [
         (1_000_000, "C"),
         (2_000_000, "C"),
         (4_500_000, "A"),
     ]
-    assert (written["qualified_period_ns"], written["exit_status"]) == (4_500_000, made.exit_code)
+    assert (written["qualified_period_ns"], written["exit_status"]) == (4_500_000, result.exit_code)
     assert written["host"]["cores"] > 0 and {fact["what"] for fact in written["found"]} >= {"SCHED_FIFO", "SMT", "kernel"}
 
 
@@ -119,16 +119,18 @@ def test_table_grade_and_reasons_are_printed(qualify):
 
 
 def test_what_was_not_measured_is_a_dash(qualify):
-    made = qualify(lambda settings, period, report: Measured(Figures(4_500_000), GRANTED), "--rate-hz", "222.2")
-    assert made.exit_code == 1
-    assert not re.search(r"\bnan\b", made.stdout) and "- of 0 unanswered" in made.stdout and "no trial was made" in made.stdout
+    result = qualify(lambda settings, period, report: Measured(Figures(4_500_000), GRANTED), "--rate-hz", "222.2")
+    assert result.exit_code == 1
+    assert (
+        not re.search(r"\bnan\b", result.stdout) and "- of 0 unanswered" in result.stdout and "no trial was made" in result.stdout
+    )
 
 
 def test_a_trial_too_short_for_a_qualification_ends_with_1_and_is_not_recorded(qualify):
     short = lambda settings, period, report: Measured(GOOD._replace(samples=300), GRANTED)  # noqa: E731
-    made = qualify(short, "--rate-hz", "222.2")
-    assert made.exit_code == 1
-    assert "too short to be put on record" in made.stdout and "1000 are needed" in made.stdout
+    result = qualify(short, "--rate-hz", "222.2")
+    assert result.exit_code == 1
+    assert "too short to be put on record" in result.stdout and "1000 are needed" in result.stdout
     assert standing(fifo=True).qualified is None
 
 
@@ -140,18 +142,18 @@ def test_what_does_not_come_to_its_end_is_one_line_and_not_recorded(qualify, err
     def broken(*_):
         raise error
 
-    made = qualify(broken)
-    assert made.exit_code == status
-    assert words in made.stderr and len(made.stderr.strip().splitlines()) == 1
+    result = qualify(broken)
+    assert result.exit_code == status
+    assert words in result.stderr and len(result.stderr.strip().splitlines()) == 1
     assert standing(fifo=True).qualified is None
 
 
 def test_a_cache_that_cannot_be_written_ends_with_2_after_the_verdict(qualify, monkeypatch, tmp_path):
     (tmp_path / "file").write_text("")
     monkeypatch.setenv("HYDROHIL_CACHE", str(tmp_path / "file"))
-    made = qualify(Host(0))
-    assert made.exit_code == 2
-    assert "grade A" in made.stdout and str(tmp_path / "file") in made.stderr
+    result = qualify(Host(0))
+    assert result.exit_code == 2
+    assert "grade A" in result.stdout and str(tmp_path / "file") in result.stderr
 
 
 def test_help_says_what_it_does_and_every_exit_status():

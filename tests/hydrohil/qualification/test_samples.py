@@ -59,9 +59,9 @@ def test_fewer_than_100_ticks_have_no_window():
 
 
 def test_the_worst_window_is_the_worst_of_all():
-    dice = Random(3)
+    rng = Random(3)
     for _ in range(20):
-        flags = [dice.random() < 0.9 for _ in range(dice.randrange(100, 400))]
+        flags = [rng.random() < 0.9 for _ in range(rng.randrange(100, 400))]
         assert worst_window(flags) == min(sum(flags[i : i + 100]) for i in range(len(flags) - 99)) / 100
 
 
