@@ -106,12 +106,12 @@ def test_the_digest_changes_with_what_decides_a_row_and_with_nothing_else():
 
 
 def test_the_campaign_of_the_documentation_is_valid(tmp_path: Path):
-    page = (Path(__file__).resolve().parents[3] / "docs" / "campaigns.md").read_text()
+    page = (Path(__file__).resolve().parents[3] / "docs" / "howto" / "run-a-campaign.md").read_text()
     file = tmp_path / "mine.toml"
     file.write_text(page.split("```toml\n")[1].split("```")[0])
     validate(read(file))
 
 
 def test_the_documentation_lists_what_ships_with_its_number_of_trials():
-    page = (Path(__file__).resolve().parents[3] / "docs" / "campaigns.md").read_text()
+    page = (Path(__file__).resolve().parents[3] / "docs" / "howto" / "run-a-campaign.md").read_text()
     assert all(f"| `{name}` | {count(find_campaign(name).campaign):,} |" in page for name in shipped())
