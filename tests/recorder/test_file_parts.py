@@ -20,14 +20,14 @@ TICKS = 500
 CHUNKS_A_MINUTE = 3000  # 2200 were counted; the index of a file is as long as its chunks are many
 
 
-def recorded(folder: Path, messages: list[Received], **told: str) -> dict:
+def recorded(folder: Path, messages: list[Received], summary: str = "") -> dict:
     """Messages into a recorder that looks at the clock every 40 samples, as if they came once in 4.5 ms."""
     recorder = Recorder("bench")
     recorder.record(folder / "run.rrd", "long", "# before")
     for k in range(0, len(messages), 200):
         recorder.take(sorted(messages[k : k + 200], key=lambda m: m.topic != "plant/sample"))
         recorder.tick(k // 5 * 4_500_000)
-    return recorder.finish(told.get("summary", ""))
+    return recorder.finish(summary)
 
 
 @pytest.fixture

@@ -85,9 +85,9 @@ def test_the_gaps_are_counted_exactly_and_stand_in_the_recording(recorded: tuple
     assert report["gaps_by_topic"]["plant/ground_truth plant"] == 2
     assert read(path, "missing/plant/ground_truth/plant", "sample")[1][-1] == 2.0
     assert read(path, "missing/plant/sample/plant", "sample")[1].max() == 0.0
-    told = texts(path, "log/recorder", "TextLog:text")
-    assert "2 missing on plant/ground_truth from plant: 300 to 301" in told
-    assert "1 refused on plant/sample: crc, checksum differs" in told
+    lines = texts(path, "log/recorder", "TextLog:text")
+    assert "2 missing on plant/ground_truth from plant: 300 to 301" in lines
+    assert "1 refused on plant/sample: crc, checksum differs" in lines
 
 
 def test_the_summary_ends_as_the_verdict_with_the_counts(recorded: tuple[Path, list[Received], dict]):

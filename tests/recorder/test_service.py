@@ -50,12 +50,12 @@ QUALIFICATION = {
 
 
 @pytest.mark.parametrize(
-    ("told", "words", "grade"),
+    ("qualification", "words", "grade"),
     [(QUALIFICATION, "qualified for 222.2 Hz, grade B (2026-11-28", ["B"]), (None, "not qualified", [])],
 )
-def test_a_recording_carries_how_its_host_is_qualified(tmp_path: Path, told: Any, words: str, grade: list[str]):
+def test_a_recording_carries_how_its_host_is_qualified(tmp_path: Path, qualification: Any, words: str, grade: list[str]):
     recorder = Recorder("bench")
-    asked = Asked(recorder, tmp_path, "record", path="x.rrd", title="t", qualification=told)
+    asked = Asked(recorder, tmp_path, "record", path="x.rrd", title="t", qualification=qualification)
     assert asked.accepted, asked.reason
     Asked(recorder, tmp_path, "finish", summary_markdown="# PASS")
     documents = texts(tmp_path / "x.rrd", "summary", "TextDocument:text")
@@ -91,7 +91,7 @@ def test_a_name_that_is_no_recording_is_refused(tmp_path: Path, path: str):
     assert list(tmp_path.iterdir()) == []
 
 
-def test_a_folder_that_cannot_be_made_is_refused_with_its_name(tmp_path: Path):
+def test_a_folder_that_cannot_be_created_is_refused_with_its_name(tmp_path: Path):
     (tmp_path / "file").write_text("")
     asked = Asked(Recorder("bench"), tmp_path, "record", path="file/x.rrd", title="t")
     assert not asked.accepted
@@ -140,7 +140,7 @@ def publish(plant: Bus) -> None:
 
 @pytest.mark.live
 @pytest.mark.parametrize("number", [signal.SIGTERM, signal.SIGINT, signal.SIGHUP])
-def test_a_recorder_told_to_stop_leaves_a_whole_file(tmp_path: Path, number: signal.Signals):
+def test_a_recorder_that_is_stopped_leaves_a_whole_file(tmp_path: Path, number: signal.Signals):
     port = free_ports()
     with Bus("plant", "bench", port, 1) as plant:
         process = started(plant, port, tmp_path)

@@ -94,9 +94,9 @@ def test_counters_are_written_several_at_a_time_and_none_is_left_behind():
         writer.take(message)
         if isinstance(message.body, Sample):
             writer.scalar("missing/plant/sample/plant", float(message.body.number))
-    told = len(of(written, "missing/plant/sample/plant"))
+    before = len(of(written, "missing/plant/sample/plant"))
     writer.flush()
-    assert len(of(written, "missing/plant/sample/plant")) == told  # a slow batch waits until it is full
+    assert len(of(written, "missing/plant/sample/plant")) == before  # a slow batch waits until it is full
     writer.flush(everything=True)
     rows = of(written, "missing/plant/sample/plant")
     np.testing.assert_array_equal(np.concatenate([r.values[:, 0] for r in rows]), FIRST_NUMBER + np.arange(3 + TARE_TICKS))
@@ -128,8 +128,8 @@ def test_the_answer_latency_is_the_difference_of_the_two_arrivals():
 
 def test_states_are_written_on_change_and_again_where_the_trial_begins():
     written = write(list(trial(60, trip_tick=40)))
-    told = [(text, rows.times.trial_ns is not None) for rows in of(written, "state/1_supervisor") for text in rows.values]
-    assert told == [("disarmed", False), ("armed", True), ("running", True), ("tripped", True)]
+    states = [(text, rows.times.trial_ns is not None) for rows in of(written, "state/1_supervisor") for text in rows.values]
+    assert states == [("disarmed", False), ("armed", True), ("running", True), ("tripped", True)]
 
 
 def test_joints_follow_the_encoder_tables_and_the_scene_is_thinned():
@@ -177,7 +177,7 @@ def test_another_plant_in_the_middle_of_what_is_taken_together_moves_no_sample_t
     assert len(placed(written, "topic/plant/sample")) == 2 * (10 + TARE_TICKS)
 
 
-def test_names_are_told_once_and_again_in_the_next_recording():
+def test_names_are_written_once_and_again_in_the_next_recording():
     written: list[Rows] = []
     writer = Writer(written.append)
     for message in trial(10):
@@ -198,23 +198,23 @@ def test_a_message_with_nan_reaches_the_rows_unchanged():
 
 def test_the_counts_of_each_inbox_are_a_row_at_their_sample_and_a_line_where_they_grow():
     inbox = InboxCounts("controller/command", 100, *(0,) * 13)
-    tellings = [(1000, inbox), (1222, inbox._replace(accepted=322, crc=2))]
+    reports = [(1000, inbox), (1222, inbox._replace(accepted=322, crc=2))]
     messages = list(trial(300))
-    for seq, (number, counts) in enumerate(tellings):
+    for seq, (number, counts) in enumerate(reports):
         messages.append(received("plant/link_stats", LinkStats(number, (counts,)), seq, number))
     written = write(messages)
     entity = "link_stats/plant/controller/command"
-    np.testing.assert_array_equal(matrix(written, entity), [inbox[1:], tellings[1][1][1:]])
+    np.testing.assert_array_equal(matrix(written, entity), [inbox[1:], reports[1][1][1:]])
     assert [rows.times.samples.tolist() for rows in of(written, entity)] == [[1000], [1222]]
     assert [rows.values for rows in of(written, "log/plant")] == [[("WARN", "plant of controller/command: 2 crc")]]
     assert [rows.values for rows in written if rows.entity == entity and rows.kind == "names"] == [InboxCounts._fields[1:]]
 
 
-def test_a_fourth_late_answer_in_a_row_is_a_warning_told_once():
+def test_a_fourth_late_answer_in_a_row_is_one_warning():
     def worse(message):
         late = isinstance(message.body, Sample) and 10 <= message.body.tick < 16
         return message._replace(body=message.body._replace(command_late_substeps=3)) if late else message
 
-    told = [rows.values for rows in of(write([worse(m) for m in trial(30)]), "log/plant")]
+    lines = [rows.values for rows in of(write([worse(m) for m in trial(30)]), "log/plant")]
     fourth = FIRST_NUMBER + 30 + TARE_TICKS + 13
-    assert told == [[("WARN", f"4 answers in a row were late or missing, up to sample {fourth}")]]
+    assert lines == [[("WARN", f"4 answers in a row were late or missing, up to sample {fourth}")]]

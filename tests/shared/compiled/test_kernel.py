@@ -37,7 +37,7 @@ def test_the_version_of_the_sources_changes_with_any_of_them(tmp_path, monkeypat
     assert len(set(versions)) == 3
 
 
-def test_the_machine_code_is_named_by_what_it_is_made_of_and_not_by_the_rest(tmp_path, monkeypatch):
+def test_the_machine_code_is_named_by_its_sources_and_by_no_others(tmp_path, monkeypatch):
     law, claim = tmp_path / "services" / "controller" / "law.py", tmp_path / "experiments" / "claim.py"
     for path in (law, claim):
         path.parent.mkdir(parents=True)

@@ -167,12 +167,12 @@ def test_a_message_is_malformed_if_one_inside_it_is(wrong):
     topic = BY_KEY["plant/link_stats"]
     key = expression(CELL, topic.key)
 
-    def told(*inboxes):
+    def with_inboxes(*inboxes):
         return decode(key, topic, CELL, sealed([*header(topic.key), [5, inboxes]], key), 0)
 
-    assert told(COUNTS, COUNTS).body == (5, (tuple(COUNTS), tuple(COUNTS)))
+    assert with_inboxes(COUNTS, COUNTS).body == (5, (tuple(COUNTS), tuple(COUNTS)))
     for inboxes in ((wrong,), (COUNTS, wrong), (wrong, COUNTS)):
-        assert told(*inboxes).cause == "malformed"
+        assert with_inboxes(*inboxes).cause == "malformed"
 
 
 def with_one_int(hint, value):
@@ -182,8 +182,8 @@ def with_one_int(hint, value):
         return
     parts = parts_of(hint)
     for i, part in enumerate(parts):
-        for made in with_one_int(part, value):
-            yield tuple(made if j == i else zero(other) for j, other in enumerate(parts))
+        for changed in with_one_int(part, value):
+            yield tuple(changed if j == i else zero(other) for j, other in enumerate(parts))
 
 
 def parts_of(hint):
@@ -291,7 +291,7 @@ def test_numpy_integers_have_no_place_on_the_wire():
         encode(KEY, header(COMMAND.key), Command((np.int64(2048), 2048, 2048)))
 
 
-def test_the_frame_is_what_a_stranger_reads_in_the_documentation():
+def test_the_frame_is_as_the_documentation_says():
     import zlib
 
     fields = msgpack.unpackb(FRAME[:-4], use_list=False)
@@ -305,7 +305,7 @@ def test_the_limits_are_those_that_the_documentation_states():
 
 
 @pytest.mark.parametrize("changes", [{"cell": "x" * 99}, {"sender": "x" * 99}])
-def test_a_name_of_a_stranger_is_told_up_to_64_characters(changes):
+def test_a_foreign_name_is_reported_up_to_64_characters(changes):
     got = read(sealed([*header(COMMAND.key)._replace(**changes), ((2048, 2048, 2048),)]))
     assert got.detail.count("x") in (64, 65)  # "expected" has one
     assert "x" * 64 in got.detail and "x" * 65 not in got.detail

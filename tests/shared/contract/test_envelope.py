@@ -23,10 +23,10 @@ def sealed(experiment=None, **changes):
 
 def test_what_is_sealed_is_what_is_opened_with_the_hash_of_the_text_as_sent():
     text = sealed({"plant": {"bias_s": 1.0}})
-    made = unseal(text)
-    assert made[1:] == (1, 2, "real", 3, 4, {"plant": {"bias_s": 1.0}})
-    assert made.digest == hashlib.sha256(text.encode()).digest()
-    assert unseal(" " + text).digest != made.digest
+    envelope = unseal(text)
+    assert envelope[1:] == (1, 2, "real", 3, 4, {"plant": {"bias_s": 1.0}})
+    assert envelope.digest == hashlib.sha256(text.encode()).digest()
+    assert unseal(" " + text).digest != envelope.digest
 
 
 @pytest.mark.parametrize(

@@ -14,7 +14,7 @@ def test_every_topic_of_the_loop_has_a_deadline_and_comes_once_a_sample():
     assert all(topic.deadline and topic.per_sample for topic in loop)
 
 
-def test_a_warmup_is_a_sample_that_cannot_be_taken_for_one_and_nobody_records_it():
+def test_a_warm_up_frame_cannot_be_taken_for_a_sample_and_is_not_recorded():
     assert (WARMUP.message, WARMUP.publisher) == (Sample, "plant")
     assert WARMUP not in TOPICS and WARMUP.schema != BY_KEY["plant/sample"].schema
 

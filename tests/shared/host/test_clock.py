@@ -19,13 +19,13 @@ class Wall:
 
 @pytest.fixture
 def wall(monkeypatch):
-    made = Wall()
-    monkeypatch.setattr(clock.time, "monotonic_ns", lambda: made.now_ns)
-    monkeypatch.setattr(clock.time, "sleep", made.sleep)
-    return made
+    wall = Wall()
+    monkeypatch.setattr(clock.time, "monotonic_ns", lambda: wall.now_ns)
+    monkeypatch.setattr(clock.time, "sleep", wall.sleep)
+    return wall
 
 
-def test_sleeping_ends_at_the_deadline_and_tells_how_late(wall):
+def test_sleeping_ends_at_the_deadline_and_returns_how_late(wall):
     assert sleep_until(wall.now_ns + 100) == 0
     wall.late_ns = 30
     assert sleep_until(wall.now_ns + 100) == 30

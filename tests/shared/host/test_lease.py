@@ -31,7 +31,7 @@ def test_the_lease_is_three_times_the_worst_lateness_within_its_bounds(clock, wo
     assert choice.chosen
 
 
-def test_a_lease_grows_with_what_is_seen_later_but_never_while_armed_and_never_back(clock):
+def test_a_lease_grows_with_later_wake_ups_but_never_while_armed_and_never_back(clock):
     choice = LeaseChoice(fixed=False)
     clock[0] = 3_000_000_000
     assert choice.after(0, armed=False) == 20 * MS
@@ -53,7 +53,7 @@ def test_a_fixed_lease_is_never_measured(clock):
 
 
 class Told:
-    """A probe that tells its worst at the third question."""
+    """A probe that reports its worst at the third call."""
 
     def __init__(self, worst_ns):
         self.answers = [None, None, worst_ns]

@@ -55,8 +55,8 @@ def test_a_router_ends_with_5_where_its_port_is_taken():
         line = [sys.executable, "-m", "hydrohil.services.router", "--listen", f"tcp/127.0.0.1:{port}"]
         ended = subprocess.run(line, capture_output=True, text=True, check=False, timeout=60)
     assert ended.returncode == 5
-    (told,) = ended.stderr.strip().splitlines()
-    assert f"port {port} on 127.0.0.1 is in use" in told and "--listen" in told
+    (line,) = ended.stderr.strip().splitlines()
+    assert f"port {port} on 127.0.0.1 is in use" in line and "--listen" in line
 
 
 @pytest.mark.live
@@ -70,7 +70,7 @@ def test_a_router_says_where_it_listens_and_ends_with_0_on_a_signal(number):
         assert process.stderr.read() == ""
 
 
-def test_nobody_waits_for_a_router_that_is_not_needed_and_all_wait_for_one_that_is(capsys):
+def test_a_service_waits_for_its_router_and_for_none_that_it_does_not_need(capsys):
     assert await_router("plant", Network())
     with socket.socket() as late:
         late.bind(("127.0.0.1", 0))

@@ -86,7 +86,7 @@ def test_a_record_with_real_time_scheduling_does_not_count_without():
         "[" * 100_000,
     ],
 )
-def test_a_damaged_record_qualifies_nobody_and_is_named(text):
+def test_a_damaged_record_qualifies_no_host_and_is_named(text):
     path = record(text)
     known = standing(fifo=True)
     assert known.qualified is None
@@ -100,12 +100,12 @@ def test_a_record_that_is_a_folder_is_damaged():
     assert str(path) in standing(fifo=True).words
 
 
-def test_what_a_status_tells_is_read_back():
+def test_the_record_in_a_status_is_read_back():
     for known in (UNKNOWN, Standing(FOUND, words(FOUND))):
         assert of_plain(json.loads(json.dumps(plain(known)))) == known
 
 
-def test_the_words_tell_grade_rate_date_and_figures():
+def test_the_words_have_grade_rate_date_and_figures():
     text = words(FOUND)
     assert all(part in text for part in ("500 Hz", "grade B", FOUND.measured_at, "0.04%", "10000", "1.4 ms", "12 ms", "36 ms"))
     assert "no rate is qualified" in words(FOUND._replace(qualified_period_ns=0, late_share=None))

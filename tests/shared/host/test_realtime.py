@@ -22,8 +22,8 @@ for clock in ("lockstep", "real", "lockstep"):
 
 def scheduled(*, realtime):
     """Whether FIFO was granted, and the policies of all threads after each change of the clock."""
-    told = subprocess.run([sys.executable, "-c", ROUNDS.format(realtime=realtime)], capture_output=True, text=True, check=True)
-    granted, *policies = told.stdout.split("\n")[:4]
+    output = subprocess.run([sys.executable, "-c", ROUNDS.format(realtime=realtime)], capture_output=True, text=True, check=True)
+    granted, *policies = output.stdout.split("\n")[:4]
     return granted == "True", [[int(word) for word in line.split()] for line in policies]
 
 
@@ -53,9 +53,9 @@ print(os.sched_getparam(0).sched_priority)
 def settled(number, *, alone, realtime=True, priority=FIFO_PRIORITY):
     """Whether FIFO was granted, the processors allowed, those left, and the priority after a change of clocks."""
     line = SETTLED.format(number=number, alone=alone, realtime=realtime, priority=priority)
-    told = subprocess.run([sys.executable, "-c", line], capture_output=True, text=True, check=True).stdout.splitlines()
-    granted, *allowed = told[0].split()
-    return granted == "True", allowed, told[1].split(), int(told[2])
+    output = subprocess.run([sys.executable, "-c", line], capture_output=True, text=True, check=True).stdout.splitlines()
+    granted, *allowed = output[0].split()
+    return granted == "True", allowed, output[1].split(), int(output[2])
 
 
 @pytest.mark.parametrize("number", [0, 1, 7])

@@ -38,7 +38,7 @@ def test_a_sender_that_starts_anew_is_taken_and_its_old_epoch_never_again():
     assert acceptance.discarded == {"epoch": 2}
 
 
-def test_an_epoch_once_left_never_returns_however_many_came_since():
+def test_an_abandoned_epoch_never_returns_however_many_came_since():
     _, passed = taken([(epoch, 0) for epoch in range(200)] + [(epoch, 1) for epoch in range(200)])
     assert passed == [(epoch, 0) for epoch in range(200)] + [(199, 1)]
 
@@ -75,15 +75,15 @@ def test_a_corrupt_frame_counts_against_the_link_only_if_its_header_still_names_
     acceptance.take(corrupt())
     assert acceptance.link_faults == 0  # nothing is bound yet
     acceptance.take(frame(1, 0))
-    for stranger in (corrupt(epoch=2), corrupt(cell="left"), corrupt(sender="plant"), corrupt()._replace(header=None)):
-        acceptance.take(stranger)
+    for foreign in (corrupt(epoch=2), corrupt(cell="left"), corrupt(sender="plant"), corrupt()._replace(header=None)):
+        acceptance.take(foreign)
     assert acceptance.link_faults == 0
     acceptance.take(corrupt())
     assert (acceptance.link_faults, acceptance.epoch_conflicts, acceptance.discarded) == (1, 0, {"crc": 6})
 
 
 @pytest.mark.parametrize("cause", ["oversized", "malformed", "version", "schema", "cell", "sender"])
-def test_what_is_refused_for_another_cause_is_a_stranger_whatever_it_says_of_itself(cause):
+def test_a_frame_refused_for_another_cause_is_foreign_whatever_its_header_says(cause):
     acceptance = Acceptance()
     acceptance.take(frame(1, 0))
     acceptance.take(corrupt()._replace(cause=cause))
@@ -118,7 +118,7 @@ def test_what_is_taken_is_increasing_within_an_epoch_and_no_epoch_returns(frames
     assert acceptance.accepted + sum(acceptance.discarded.values()) == len(frames)
 
 
-def test_before_the_first_frame_nothing_is_counted_and_nobody_is_bound():
+def test_before_the_first_frame_nothing_is_counted_and_no_sender_is_bound():
     fresh = Acceptance()
     counts = (fresh.lost, fresh.accepted, fresh.other_run, fresh.link_faults, fresh.epoch_conflicts, fresh.discarded)
     assert counts == (0, 0, 0, 0, 0, {})

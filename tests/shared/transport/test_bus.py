@@ -42,11 +42,11 @@ def test_of_a_flood_those_that_came_first_are_served():
 
 
 def test_a_query_without_a_payload_waits_its_turn_and_is_answered():
-    bus, told = Bus("plant", CELL, 7450, EPOCHS["plant"]), []
-    bus._requests._answer = lambda _query, _key: lambda *answer: told.append(answer[1])
+    bus, reasons = Bus("plant", CELL, 7450, EPOCHS["plant"]), []
+    bus._requests._answer = lambda _query, _key: lambda *answer: reasons.append(answer[1])
     bus._asked(SimpleNamespace(key_expr="hydrohil/cell/operator/request/plant", payload=None))
     assert bus.requests() == []
-    assert told[0].startswith("malformed request")
+    assert reasons[0].startswith("malformed request")
 
 
 def test_emergency_stops_are_taken_without_the_rest_and_once():
@@ -83,7 +83,7 @@ class Stepped:
         transport.join(10.0)
 
 
-def test_a_step_runs_in_the_thread_that_brings_the_frame_and_nobody_else_is_woken():
+def test_a_step_runs_in_the_thread_that_brings_the_frame_and_no_other_is_woken():
     by = []
     scene = Stepped(lambda: by.append(threading.current_thread().name))
     scene.arrive()
@@ -113,21 +113,21 @@ def test_while_a_fault_acts_on_a_way_a_frame_wakes_who_knows_when_it_is_to_come(
 
 @pytest.mark.live
 def test_a_thread_of_the_transport_keeps_its_python_state_from_frame_to_frame():
-    state, seen, port = threading.local(), [], random.randrange(20_000, 30_000, 4)
+    state, steps, port = threading.local(), [], random.randrange(20_000, 30_000, 4)
 
     def step():
         state.frames = getattr(state, "frames", 0) + 1
-        seen.append((threading.get_native_id(), state.frames))
+        steps.append((threading.get_native_id(), state.frames))
 
     with Bus("plant", CELL, port, 1) as plant, Bus("controller", CELL, port, 2) as controller:
         controller.subscribe("controller/state")
         controller.step_on_arrival(StepLock(step))
         deadline = time.monotonic() + 10.0
-        while len(seen) < 20 and time.monotonic() < deadline:
+        while len(steps) < 20 and time.monotonic() < deadline:
             plant.publish("controller/state", state_body())
             time.sleep(0.02)
-    threads = {thread for thread, _ in seen}
-    assert len(threads) < len(seen)  # one of them, at least, brought two
+    threads = {thread for thread, _ in steps}
+    assert len(threads) < len(steps)  # one of them, at least, brought two
     for thread in threads:
-        counts = [count for other, count in seen if other == thread]
+        counts = [count for other, count in steps if other == thread]
         assert counts == list(range(1, len(counts) + 1))

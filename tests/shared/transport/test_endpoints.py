@@ -73,29 +73,29 @@ def test_peers_try_for_ever_and_do_not_wait_in_opening():
 
 @pytest.mark.parametrize("service", SESSIONS)
 def test_with_a_router_every_session_is_a_client_of_it_alone_and_listens_nowhere(service):
-    made = said(service, ROUTED)
-    assert made["mode"] == "client"
-    assert made["connect"]["endpoints"] == [ROUTED.router]
-    assert made["listen"]["endpoints"] == []
-    assert made["connect"]["exit_on_failure"] is True and made["connect"]["timeout_ms"] > 0  # else it blocks for ever
+    session = said(service, ROUTED)
+    assert session["mode"] == "client"
+    assert session["connect"]["endpoints"] == [ROUTED.router]
+    assert session["listen"]["endpoints"] == []
+    assert session["connect"]["exit_on_failure"] is True and session["connect"]["timeout_ms"] > 0  # else it blocks for ever
     assert listener(service, PORT, ROUTED) is None
 
 
-def test_a_router_listens_where_it_is_told_and_connects_to_nobody():
-    made = json.loads(router_configuration("tcp/0.0.0.0:7447"))
-    assert made["mode"] == "router"
-    assert made["listen"]["endpoints"] == ["tcp/0.0.0.0:7447"]
-    assert made["connect"]["endpoints"] == []
+def test_a_router_listens_at_its_endpoint_and_connects_to_none():
+    session = json.loads(router_configuration("tcp/0.0.0.0:7447"))
+    assert session["mode"] == "router"
+    assert session["listen"]["endpoints"] == ["tcp/0.0.0.0:7447"]
+    assert session["connect"]["endpoints"] == []
 
 
-def test_nobody_scouts_gossips_or_shares_memory_and_all_queue_and_lease_alike():
-    made = [said(service, where) for service in SESSIONS for where in (HERE, SPREAD, ROUTED)]
-    made.append(json.loads(router_configuration(ROUTER)))
-    for one in made:
+def test_no_session_scouts_gossips_or_shares_memory_and_all_queue_and_lease_alike():
+    sessions = [said(service, where) for service in SESSIONS for where in (HERE, SPREAD, ROUTED)]
+    sessions.append(json.loads(router_configuration(ROUTER)))
+    for one in sessions:
         assert one["scouting"] == {"delay": 0, "multicast": {"enabled": False}, "gossip": {"enabled": False}}
-        assert one["transport"] == made[0]["transport"]
+        assert one["transport"] == sessions[0]["transport"]
         assert one["transport"]["shared_memory"] == {"enabled": False}
-    tx = made[0]["transport"]["link"]["tx"]
+    tx = sessions[0]["transport"]["link"]["tx"]
     assert tx["lease"] == 500 and set(tx["queue"]["size"].values()) == {16} and len(tx["queue"]["size"]) == 8
 
 
@@ -162,7 +162,7 @@ def test_a_router_that_is_no_endpoint_is_refused_with_one_line(router):
     assert repr(router) in str(refused.value) and "\n" not in str(refused.value)
 
 
-def test_a_router_may_listen_on_every_address_but_nobody_connects_to_all():
+def test_a_router_may_listen_on_every_address_but_no_client_connects_to_that():
     assert address("tcp/0.0.0.0:7447", "--listen") == ("0.0.0.0", 7447)
     with pytest.raises(ValueError, match="reached"):
         network(router="tcp/0.0.0.0:7447")

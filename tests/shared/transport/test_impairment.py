@@ -96,7 +96,7 @@ def test_a_message_whose_successor_is_lost_is_late_and_not_old():
 
 
 @given(st.binary(min_size=1, max_size=200), st.floats(0.0, 1.0, exclude_max=True))
-def test_corruption_turns_exactly_one_bit(frame, place):
+def test_corruption_flips_exactly_one_bit(frame, place):
     turned = flip(frame, place)
     assert sum((a ^ b).bit_count() for a, b in zip(frame, turned, strict=True)) == 1
 

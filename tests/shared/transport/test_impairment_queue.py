@@ -55,7 +55,7 @@ def test_a_way_that_no_fault_touches_is_left_alone():
     assert scene.inbox.impairment_queue is None
 
 
-def test_a_late_command_comes_at_its_sub_step_of_simulated_time_and_nobody_waits_for_it():
+def test_a_late_command_comes_at_its_sub_step_of_simulated_time_and_no_step_waits_for_it():
     scene = Scene("controller/command", "plant", LATE)
     scene.put(5)
     assert scene.ticks(instant(5, 179)) == []
@@ -82,7 +82,7 @@ def test_a_lost_command_counts_as_arrived_and_never_comes():
 
 @pytest.mark.parametrize("forged", [1, 1000, 1 << 40])
 @pytest.mark.parametrize("lockstep", [True, False])
-def test_an_answer_to_a_sample_that_was_never_issued_makes_nobody_wait_and_nobody_pass_over_another(forged, lockstep):
+def test_an_answer_to_a_sample_that_was_never_issued_delays_no_step_and_hides_no_other_answer(forged, lockstep):
     scene = Scene("controller/command", "plant", LATE, lockstep=lockstep)
     scene.put(4)
     scene.put(5, seq=900, echo_tick=5 + forged)
@@ -96,7 +96,7 @@ def test_an_answer_to_a_sample_that_was_never_issued_makes_nobody_wait_and_nobod
         assert sorted(came) == [4, 5, 5 + forged]
 
 
-def test_an_echo_of_a_time_that_has_not_come_makes_nobody_wait():
+def test_an_echo_of_a_time_that_has_not_come_delays_no_step():
     scene = Scene("controller/command", "plant", LATE)
     scene.issue(5)
     head = header("controller/command", 1, echo_number=ZERO_NUMBER + 5, echo_time_ns=1 << 60)
@@ -145,7 +145,7 @@ def test_an_overtaken_frame_comes_behind_its_successor_and_is_counted():
     assert scene.inbox.acceptance.discarded["sequence"] == 1
 
 
-def test_a_turned_bit_is_caught_by_the_checksum():
+def test_a_flipped_bit_is_found_by_the_checksum():
     scene = Scene("controller/command", "plant", Fault("corrupt", "controller>plant", lasts_s=0.045, value=1.0))
     for tick in range(10):
         scene.put(tick)
@@ -170,7 +170,7 @@ def test_a_cut_takes_every_topic_of_its_path():
     assert passed.impairment_queue is None  # word of what a fault took is no message of the rig
 
 
-def test_in_lockstep_a_lost_sample_is_told_and_a_late_one_answered_at_once():
+def test_in_lockstep_a_lost_sample_is_reported_and_a_late_one_answered_at_once():
     lost = Scene("plant/sample", "controller", Fault("burst", "plant>controller", value=1.0))
     lost.put(-1)
     lost.put(0)
@@ -255,7 +255,7 @@ def test_what_is_injected_by_hand_begins_with_the_next_sample_in_a_trial_or_outs
     assert scene.conditions.lasting() == ()
 
 
-def test_a_fault_on_any_way_to_a_service_makes_it_look_at_the_samples_which_tell_the_tick():
+def test_a_fault_on_any_path_to_a_service_acts_on_its_samples_too_which_carry_the_tick():
     samples = Scene("plant/sample", "supervisor", Fault("partition", "controller>supervisor"))
     samples.conditions.observe_sample(0, NO_TRIAL)
     samples.put(5)

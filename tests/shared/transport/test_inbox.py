@@ -92,7 +92,7 @@ def test_what_a_fault_holds_stays_held_when_the_same_load_is_named_again_and_com
     assert scene.ticks() == []
 
 
-def test_a_sample_that_a_fault_took_is_told_once():
+def test_a_sample_that_a_fault_took_is_reported_once():
     scene = Impaired("plant/sample", "controller", Fault("burst", "plant>controller", value=1.0))
     scene.put(0)
     assert scene.ticks() == []

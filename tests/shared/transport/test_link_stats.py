@@ -12,14 +12,14 @@ COMMAND = BY_KEY["controller/command"]
 
 
 def inbox():
-    made = Inbox(COMMAND, CELL, 8, lambda: None)
+    box = Inbox(COMMAND, CELL, 8, lambda: None)
     for seq in (0, 3, 3):
-        made.acceptance.take(Received(0, COMMAND.key, header(COMMAND.key, seq), command_body()))
-    made.acceptance.take(Received(0, COMMAND.key, header(COMMAND.key, 0, epoch=99), command_body()))
+        box.acceptance.take(Received(0, COMMAND.key, header(COMMAND.key, seq), command_body()))
+    box.acceptance.take(Received(0, COMMAND.key, header(COMMAND.key, 0, epoch=99), command_body()))
     for cause in ("crc", "crc", "oversized"):
-        made.acceptance.take(Rejected(0, COMMAND.key, cause, ""))
-    made.acceptance.other_run = 1
-    return made
+        box.acceptance.take(Rejected(0, COMMAND.key, cause, ""))
+    box.acceptance.other_run = 1
+    return box
 
 
 def test_every_count_stands_under_its_name():
@@ -38,11 +38,11 @@ def test_every_count_stands_under_its_name():
     }
 
 
-def test_a_status_tells_what_is_not_zero():
-    seen = nonzero_counts([inbox()])
-    assert seen[COMMAND.key]["crc"] == 2
-    assert 0 not in seen[COMMAND.key].values()
-    assert not {"malformed", "topic"} & set(seen[COMMAND.key])
+def test_a_status_has_the_counts_that_are_not_zero():
+    counts = nonzero_counts([inbox()])
+    assert counts[COMMAND.key]["crc"] == 2
+    assert 0 not in counts[COMMAND.key].values()
+    assert not {"malformed", "topic"} & set(counts[COMMAND.key])
 
 
 def test_every_cause_for_which_a_frame_is_discarded_has_a_count():
@@ -74,15 +74,15 @@ def test_the_largest_counts_of_all_topics_fit_a_frame():
     full.accepted = full.lost = full.other_run = full.link_faults = full.epoch_conflicts = 2**63 - 1
     full.discarded.update(dict.fromkeys(CAUSES, 2**63 - 1))
     inboxes = [Inbox(topic, CELL, 1, lambda: None) for topic in TOPICS]
-    for made in inboxes:
-        made.acceptance = full
+    for box in inboxes:
+        box.acceptance = full
     key = expression(CELL, "plant/link_stats")
     frame = encode(key, header("plant/link_stats"), link_stats(2**63 - 1, inboxes))
     assert len(frame) <= MAX_FRAME_BYTES
     assert isinstance(decode(key, BY_KEY["plant/link_stats"], CELL, frame, 0), Received)
 
 
-def test_the_counts_are_told_once_a_second_of_samples():
+def test_the_counts_are_published_once_a_second_of_samples():
     period_ns = 4_500_000
     assert [number for number in range(700) if due(number, period_ns)] == [0, 222, 444, 666]
     assert [number for number in range(4) if due(number, 2_000_000_000)] == [0, 1, 2, 3]

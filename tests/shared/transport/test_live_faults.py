@@ -83,9 +83,9 @@ def test_a_slow_service_spends_its_time_and_no_longer_than_asked():
     assert scene.faults.acting() == []
 
 
-def test_a_fault_that_waits_is_told_with_the_sample_at_which_it_begins():
-    told = Scene().ask("inject", kind="loss", target="controller>supervisor", value=0.5, at_s=0.45)
-    assert told == (True, "", {"number": 142})
+def test_the_answer_for_a_fault_that_waits_names_the_sample_at_which_it_begins():
+    answer = Scene().ask("inject", kind="loss", target="controller>supervisor", value=0.5, at_s=0.45)
+    assert answer == (True, "", {"number": 142})
 
 
 def test_more_faults_than_a_sample_has_time_for_are_refused():

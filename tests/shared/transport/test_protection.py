@@ -26,7 +26,7 @@ def corrupt(**changes):
     return Rejected(0, "controller/command", "crc", "", header("controller/command", 9, **({"epoch": 1} | changes)))
 
 
-def seen(faults_at, now_ns, limits=LIMITS):
+def counted(faults_at, now_ns, limits=LIMITS):
     memory = ProtectionMemory()
     for at_ns, faults in faults_at:
         memory = protection_step(memory, limits, faults, at_ns)
@@ -34,17 +34,17 @@ def seen(faults_at, now_ns, limits=LIMITS):
 
 
 def test_a_fault_is_remembered_for_less_than_a_second():
-    assert seen([(0, 1)], SECOND - 1) == 1
-    assert seen([(0, 1)], SECOND) == 0
+    assert counted([(0, 1)], SECOND - 1) == 1
+    assert counted([(0, 1)], SECOND) == 0
 
 
 def test_two_faults_a_second_apart_are_two_accidents_and_two_within_it_are_a_cause():
-    assert seen([(5, 1), (SECOND + 5, 1)], SECOND + 5) == 1
-    assert seen([(5, 1), (SECOND + 4, 1)], SECOND + 4) == 2
+    assert counted([(5, 1), (SECOND + 5, 1)], SECOND + 5) == 1
+    assert counted([(5, 1), (SECOND + 4, 1)], SECOND + 4) == 2
 
 
-def test_faults_of_one_look_all_count_and_more_than_eight_are_told_as_eight():
-    assert [seen([(0, faults)], 0) for faults in (0, 1, 2, 7, 8, 9, 10**9)] == [0, 1, 2, 7, 8, 8, 8]
+def test_faults_of_one_call_all_count_and_more_than_eight_count_as_eight():
+    assert [counted([(0, faults)], 0) for faults in (0, 1, 2, 7, 8, 9, 10**9)] == [0, 1, 2, 7, 8, 8, 8]
 
 
 def test_the_newest_are_kept():
@@ -53,13 +53,13 @@ def test_the_newest_are_kept():
 
 
 def test_a_clock_that_was_set_back_forgets_what_it_cannot_date():
-    assert seen([(10 * SECOND, 5)], 3) == 0
-    assert seen([(3, 1)], 2) == 0
-    assert seen([(3, 1)], 3) == 1
+    assert counted([(10 * SECOND, 5)], 3) == 0
+    assert counted([(3, 1)], 2) == 0
+    assert counted([(3, 1)], 3) == 1
 
 
 @given(st.lists(st.tuples(st.integers(0, SECOND // 2), st.integers(0, 3)), max_size=20))
-def test_as_many_are_seen_as_came_within_the_second_up_to_eight(steps):
+def test_as_many_count_as_came_within_the_second_up_to_eight(steps):
     now_ns, came, memory = 0, [], ProtectionMemory()
     for wait_ns, faults in steps:
         now_ns += wait_ns
@@ -68,7 +68,7 @@ def test_as_many_are_seen_as_came_within_the_second_up_to_eight(steps):
         assert len(memory.at_ns) == min(8, sum(now_ns - at < SECOND for at in came))
 
 
-def test_a_watch_tells_each_fault_once_and_for_a_second():
+def test_each_fault_counts_once_and_for_a_second():
     acceptance = Acceptance()
     watch = Protection(acceptance, LIMITS)
     assert watch.observe(0) == (0, 0)

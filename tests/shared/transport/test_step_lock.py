@@ -7,7 +7,7 @@ import pytest
 from hydrohil.shared.transport.step_lock import StepLock
 
 
-def test_who_finds_the_turn_taken_returns_at_once_and_its_cause_is_served_by_who_has_it():
+def test_a_thread_that_finds_another_stepping_returns_at_once_and_the_other_steps_for_it():
     begun, go_on, served = threading.Event(), threading.Event(), []
 
     def step() -> None:
@@ -26,7 +26,7 @@ def test_who_finds_the_turn_taken_returns_at_once_and_its_cause_is_served_by_who
     assert served == ["holder", "holder"]
 
 
-def test_however_many_find_it_taken_one_more_step_serves_them_all():
+def test_however_many_causes_come_during_a_step_one_more_step_serves_them_all():
     served = []
 
     def step() -> None:
@@ -89,7 +89,7 @@ def test_the_serving_thread_learns_of_what_came_while_it_stepped():
     assert len(steps) == 2
 
 
-def test_a_flood_that_gives_cause_at_every_step_does_not_keep_who_serves_away():
+def test_a_flood_that_gives_cause_at_every_step_does_not_lock_out_the_serving_thread():
     order = []
 
     def step() -> None:
@@ -112,7 +112,7 @@ def test_a_flood_that_gives_cause_at_every_step_does_not_keep_who_serves_away():
     assert len(order) == 4
 
 
-def test_a_step_that_raises_gives_the_turn_back():
+def test_a_step_that_raises_releases_the_lock():
     outcomes = iter([ValueError("broken"), None])
 
     def step() -> None:

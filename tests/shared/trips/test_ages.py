@@ -13,7 +13,7 @@ def hops(by):
 
 
 @pytest.mark.parametrize("by", [SUPERVISOR, GATE])
-def test_what_lay_at_the_gate_is_told_on_the_plant_s_clock(by):
+def test_the_ages_at_the_gate_are_on_the_plant_s_clock(by):
     signals, found = hops(by)
     row = row_of(signals["plant/sample"], TRIP_NUMBER)
     accepted = found[f"sample {TRIP_NUMBER - 1} -> its command accepted by the gate"]
@@ -23,7 +23,7 @@ def test_what_lay_at_the_gate_is_told_on_the_plant_s_clock(by):
     assert [hop["age_s"] for hop in decided] == ([0.0036, 0.0036] if by == GATE else [])
 
 
-def test_what_was_heard_is_told_on_the_clock_of_who_heard_it():
+def test_the_ages_of_arrivals_are_on_the_receiver_s_clock():
     signals, found = hops(SUPERVISOR)
     heard = {name: hop for name, hop in found.items() if hop["clock"] == "mine"}
     samples, permits = signals["plant/sample"], signals["supervisor/permit"]

@@ -8,23 +8,23 @@ def permits() -> list[Permit]:
     return [m.body for m in trial(20, trip_tick=10) if isinstance(m.body, Permit)]
 
 
-def told() -> list[str]:
+def log_lines() -> list[str]:
     every = permits()
     return [event.text for before, now in zip([None, *every], every, strict=False) for event in permit_events(before, now)]
 
 
-def test_a_trial_is_told_in_its_modes_and_the_trip_with_its_numbers():
+def test_the_log_of_a_trial_has_its_modes_and_the_trip_with_its_numbers():
     announced = "trial announced: first sample 1030, 444 ticks of force bias, then 3000"
     tripped = "tripped: the contact force reached 341.2 N against its limit of 334.0 N (sample 1484)"
-    assert told() == ["disarmed", "disarmed -> armed", announced, "armed -> running", tripped]
+    assert log_lines() == ["disarmed", "disarmed -> armed", announced, "armed -> running", tripped]
 
 
-def test_a_permit_that_only_repeats_is_not_told():
+def test_a_permit_that_only_repeats_is_not_logged():
     permit = permits()[0]
     assert permit_events(permit, permit) == []
 
 
-def test_a_trial_announced_within_a_mode_is_told():
+def test_a_trial_announced_within_a_mode_is_logged():
     armed = permits()[100]
     later = armed._replace(first_sample=armed.first_sample + 500)
     assert [e.text for e in permit_events(armed, later)] == [
@@ -32,7 +32,7 @@ def test_a_trial_announced_within_a_mode_is_told():
     ]
 
 
-def test_an_unknown_mode_is_told_as_its_number():
+def test_an_unknown_mode_is_logged_as_its_number():
     permit = permits()[0]
     assert permit_events(permit, permit._replace(mode=42))[0].text == "disarmed -> 42"
 
@@ -69,11 +69,11 @@ def test_a_gap_names_the_numbers_that_are_missing():
     assert gap_event("plant/sample", header, Counted(Sequence(77, 10), 0, False)) is None
 
 
-def test_refusals_are_told_at_each_doubling():
+def test_refusals_are_logged_at_each_doubling():
     assert [n for n in range(1, 20) if is_reported(n)] == [1, 2, 4, 8, 16]
 
 
-def test_a_count_that_grows_is_told_and_the_first_telling_is_the_base():
+def test_a_count_that_grows_is_logged_and_the_first_report_is_the_base():
     base = InboxCounts("plant/sample", 100, 1, *(0,) * 12)
     assert link_stats_event("supervisor", None, base) is None
     assert link_stats_event("supervisor", base, base._replace(accepted=200)) is None

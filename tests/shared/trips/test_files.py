@@ -1,4 +1,4 @@
-"""Reports on disk: whole or not at all, by a thread that nobody waits for."""
+"""Reports on disk: whole or not at all, by a thread of its own."""
 
 import json
 import os
@@ -44,7 +44,7 @@ def test_what_is_no_report_is_said_in_one_line(tmp_path: Path, text: str):
         read(path)
 
 
-def test_the_thread_writes_and_tells_where(tmp_path: Path):
+def test_the_thread_writes_and_reports_where(tmp_path: Path):
     files, document = TripFiles(tmp_path), report()
     files.put(document)
     files.close()
@@ -52,7 +52,7 @@ def test_the_thread_writes_and_tells_where(tmp_path: Path):
     assert files.path_of(dict(document)) == "" and files.failure == ""
 
 
-def test_a_folder_that_cannot_be_made_is_one_line_and_nothing_else(tmp_path: Path, capsys):
+def test_a_folder_that_cannot_be_created_is_one_line_and_nothing_else(tmp_path: Path, capsys):
     (tmp_path / "file").write_text("")
     files = TripFiles(tmp_path / "file" / "trips")
     files.put(report())
@@ -91,7 +91,7 @@ def test_the_next_report_is_written_when_there_is_room_again(tmp_path: Path, cap
     assert files.path_of(document) and files.failure == ""
 
 
-def test_a_folder_that_hangs_holds_nobody_up(tmp_path: Path, monkeypatch, capsys):
+def test_a_folder_that_hangs_delays_no_caller(tmp_path: Path, monkeypatch, capsys):
     let_go = threading.Event()
     monkeypatch.setattr(trip_files, "write", lambda folder, document: let_go.wait() and folder)
     files = TripFiles(tmp_path)

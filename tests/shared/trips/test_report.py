@@ -33,13 +33,13 @@ def test_the_supervisor_s_trip_has_rule_numbers_and_moment():
 
 
 def test_the_sentence_says_what_when_how_soon_and_what_moved():
-    told = report()["sentence"]
-    assert told.startswith(
+    text = report()["sentence"]
+    assert text.startswith(
         "The contact force reached 341.2 N against its limit of 334.1 N "
         f"at sample {TRIP_NUMBER} (tick {TRIP_TICK}, {TRIP_S:.3f} s); "
         "the gate was at zero current 1 sample later; meanwhile the tip moved "
     )
-    assert told.endswith(".") and " mm" in told
+    assert text.endswith(".") and " mm" in text
 
 
 def test_a_cut_of_the_gate_decides_where_the_supervisor_only_says_that_there_was_one():
@@ -50,52 +50,52 @@ def test_a_cut_of_the_gate_decides_where_the_supervisor_only_says_that_there_was
     )
 
 
-def test_a_cut_without_a_supervisor_that_tells_is_a_trip():
-    seen = signals(GATE)
-    del seen["supervisor/permit"]
-    trip = newest_trip(seen)
+def test_a_cut_without_a_supervisor_that_reports_is_a_trip():
+    topics = signals(GATE)
+    del topics["supervisor/permit"]
+    trip = newest_trip(topics)
     assert trip is not None and (trip.by, trip.sample) == ("gate", TRIP_NUMBER)
 
 
 def test_an_old_cut_does_not_stand_for_a_new_trip_of_the_supervisor():
-    seen = signals(SUPERVISOR)
-    seen["plant/gate"] = signals(GATE)["plant/gate"]
-    trip = newest_trip(seen)
+    topics = signals(SUPERVISOR)
+    topics["plant/gate"] = signals(GATE)["plant/gate"]
+    trip = newest_trip(topics)
     assert trip is not None and (trip.by, trip.cause) == ("supervisor", "FORCE_TARED")
 
 
 def test_without_a_trip_there_is_no_report():
-    seen = {topic: {name: column[:50] for name, column in table.items()} for topic, table in signals().items()}
-    assert trip_report(seen, ORIGIN) is None
+    topics = {topic: {name: column[:50] for name, column in table.items()} for topic, table in signals().items()}
+    assert trip_report(topics, ORIGIN) is None
     assert trip_report({}, ORIGIN) is None
 
 
 def test_zero_is_the_first_sample_that_shows_every_code_at_zero():
-    seen = signals()
-    assert stop(seen, TRIP_NUMBER, 1.0)["samples_later"] == 1
-    assert stop(seen, TRIP_NUMBER + 1, 1.0)["samples_later"] == 0
-    row = seen["plant/sample"]["number"].index(TRIP_NUMBER + 1)
-    seen["plant/sample"]["dac_counts[2]"][row] = 2049
-    assert stop(seen, TRIP_NUMBER, 1.0)["samples_later"] == 2
+    topics = signals()
+    assert stop(topics, TRIP_NUMBER, 1.0)["samples_later"] == 1
+    assert stop(topics, TRIP_NUMBER + 1, 1.0)["samples_later"] == 0
+    row = topics["plant/sample"]["number"].index(TRIP_NUMBER + 1)
+    topics["plant/sample"]["dac_counts[2]"][row] = 2049
+    assert stop(topics, TRIP_NUMBER, 1.0)["samples_later"] == 2
     assert stop({}, TRIP_NUMBER, 1.0)["zero_sample"] is None
 
 
 def test_the_tip_s_way_is_the_largest_distance_from_where_it_tripped():
-    seen = signals()
-    table = seen["plant/ground_truth"]
+    topics = signals()
+    table = topics["plant/ground_truth"]
     first = table["number"].index(TRIP_NUMBER)
     here = [table[f"tip_m[{k}]"][first] for k in range(3)]
     far = max(math.dist(here, [table[f"tip_m[{k}]"][i] for k in range(3)]) for i in range(first, len(table["number"])))
-    assert stop(seen, TRIP_NUMBER, 1.0)["tip_moved_m"] == pytest.approx(far)
-    assert stop(seen, TRIP_NUMBER, 1.0)["tip_from"] == "the emulator's ground truth"
-    del seen["plant/ground_truth"]
-    assert stop(seen, TRIP_NUMBER, 1.0)["tip_from"] == "the encoders"
-    assert stop(seen, TRIP_NUMBER, 1.0)["tip_moved_m"] > 0.0
+    assert stop(topics, TRIP_NUMBER, 1.0)["tip_moved_m"] == pytest.approx(far)
+    assert stop(topics, TRIP_NUMBER, 1.0)["tip_from"] == "the emulator's ground truth"
+    del topics["plant/ground_truth"]
+    assert stop(topics, TRIP_NUMBER, 1.0)["tip_from"] == "the encoders"
+    assert stop(topics, TRIP_NUMBER, 1.0)["tip_moved_m"] > 0.0
 
 
 def test_a_trip_whose_sample_was_the_last_has_nothing_to_say_of_afterwards():
-    seen = signals(ticks=TRIP_TICK + 1)
-    document = trip_report(seen, ORIGIN)
+    topics = signals(ticks=TRIP_TICK + 1)
+    document = trip_report(topics, ORIGIN)
     assert document is not None
     assert document["stop"]["tip_moved_m"] is None and document["stop"]["zero_sample"] is None
     assert document["sentence"].endswith("no later sample has shown the gate at zero current.")
@@ -111,19 +111,19 @@ def test_the_signals_are_those_that_were_sent_at_the_full_rate():
     assert json.loads(json.dumps(document, allow_nan=False)) == document
 
 
-def test_a_number_that_is_none_is_null_and_still_told():
-    seen = signals()
-    seen["supervisor/permit"]["measured"] = [math.nan] * len(seen["supervisor/permit"]["measured"])
-    document = trip_report(seen, ORIGIN)
+def test_a_number_that_is_nan_is_null_and_still_in_the_sentence():
+    topics = signals()
+    topics["supervisor/permit"]["measured"] = [math.nan] * len(topics["supervisor/permit"]["measured"])
+    document = trip_report(topics, ORIGIN)
     assert document is not None and document["measured"] is None
     assert "nan N" in document["sentence"]
     assert set(document["signals"]["supervisor/permit"]["measured"]) == {None}
 
 
 def test_a_trip_outside_a_trial_has_no_tick():
-    seen = signals(cause=TripCause.ESTOP)
-    seen["plant/sample"]["tick"] = [-(2**31)] * len(seen["plant/sample"]["tick"])
-    document = trip_report(seen, ORIGIN)
+    topics = signals(cause=TripCause.ESTOP)
+    topics["plant/sample"]["tick"] = [-(2**31)] * len(topics["plant/sample"]["tick"])
+    document = trip_report(topics, ORIGIN)
     assert document is not None and (document["tick"], document["trial_time_s"]) == (None, None)
     assert document["sentence"].startswith(f"The operator pressed the emergency stop at sample {TRIP_NUMBER};")
 
@@ -131,8 +131,8 @@ def test_a_trip_outside_a_trial_has_no_tick():
 def test_counters_are_those_of_each_receiver_without_zeros():
     counted = counters_of({"plant": LinkStats(5, (COUNTS,))})
     assert counted == {"plant": {"controller/command": {"accepted": 900, "lost": 2, "link_faults": 1, "crc": 1}}}
-    told = "\n".join(lines(report() | {"counters": counted}))
-    assert "plant of controller/command: 2 lost, 1 link faults, 1 crc" in told
+    text = "\n".join(lines(report() | {"counters": counted}))
+    assert "plant of controller/command: 2 lost, 1 link faults, 1 crc" in text
     assert "nothing lost" in "\n".join(lines(report() | {"counters": {"plant": {"x": {"accepted": 3}}}}))
 
 

@@ -124,7 +124,7 @@ def test_another_plant_hands_over_and_begins_anew():
 def test_the_newest_counters_of_each_receiver_go_with_it():
     ring = fed([link_stats(3), link_stats(9), *tripping(SUPERVISOR)])
     (caught,) = ring.caught(0)
-    assert {sender: told.number for sender, told in caught.link_stats_by_receiver.items()} == {"plant": 9}
+    assert {sender: stats.number for sender, stats in caught.link_stats_by_receiver.items()} == {"plant": 9}
     assert caught.description is not None
 
 
