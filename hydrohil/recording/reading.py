@@ -12,5 +12,5 @@ def chunks_of(path: Path) -> int:
         warnings.simplefilter("error")  # a missing footer is a warning
         try:
             return sum(1 for _ in RrdReader(path).stream())
-        except (OSError, RuntimeError, Warning) as reason:
+        except (OSError, RuntimeError, ValueError, Warning) as reason:
             raise ValueError(f"{path}: {reason}") from None
