@@ -22,6 +22,7 @@ LEASE_MS = "200"  # the longest: a busy machine does not decide these tests
 LEASE = {"plant": ["--permit-ttl-ms", LEASE_MS]}
 ZERO = [2048, 2048, 2048]
 PATIENCE_S = 60.0
+COMMAND_S = 300.0  # the first command after a change compiles
 PARTS = ("hydrohil.services.", "hydrohil.qualification.")
 FOLLOWS = Claim(
     statement="It follows", metric="peak_to_peak", channel="q2", comparison="above", start_s=0.0, end_s=1.5, unit="deg", low=5.0
@@ -63,7 +64,8 @@ def line(place: cells.Place, *arguments: str) -> list[str]:
 
 def hydrohil(place: cells.Place, *arguments: str) -> subprocess.CompletedProcess[str]:
     """One command to its end."""
-    return subprocess.run(line(place, *arguments), env=environment(), capture_output=True, text=True, check=False, timeout=120)
+    command = line(place, *arguments)
+    return subprocess.run(command, env=environment(), capture_output=True, text=True, check=False, timeout=COMMAND_S)
 
 
 def begun(place: cells.Place, *arguments: str) -> subprocess.Popen[str]:
