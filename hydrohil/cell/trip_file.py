@@ -1,13 +1,11 @@
 """Where the recorder has written the report of a trip."""
 
 import time
-from pathlib import Path
 
 from hydrohil.cell.processes import statuses
 from hydrohil.shared.transport.bus import Bus
 from hydrohil.shared.trips.report import Document
 
-TRIPS = Path("runs/trips")  # a recorder's folder, and the command line's
 _PATIENCE_S = 3.0
 _POLL_S = 0.1
 

@@ -33,7 +33,7 @@ def explain(
     Examples: `hydrohil explain`, `hydrohil explain FORCE_RAW`, `echo arm | hydrohil explain`,
     `hydrohil explain FORCE_RAW --json`, `hydrohil explain --mode RUNNING --broken FORCE_RAW,JOINT_LIMIT --event reset --json`
     """
-    from hydrohil.explanation.names import UnknownNameError
+    from hydrohil.shared.errors import UnknownNameError
 
     try:
         if cause is not None:
@@ -65,8 +65,8 @@ def _listed(text: str) -> list[str]:
 
 def _converse() -> None:
     """Lines until the end of the input; from a pipe, a line that means nothing ends it."""
-    from hydrohil.explanation.names import UnknownNameError
     from hydrohil.explanation.walk import Scene
+    from hydrohil.shared.errors import UnknownNameError
 
     scene, interactive = Scene(), sys.stdin.isatty()
     if interactive:

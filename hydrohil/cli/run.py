@@ -8,13 +8,12 @@ from rich.progress import BarColumn, Progress, TextColumn, TimeRemainingColumn
 
 from hydrohil.cell.cell import Cell, Clock
 from hydrohil.cell.processes import CellError
-from hydrohil.cell.trip_file import TRIPS
 from hydrohil.claims.trace_files import write_trace
 from hydrohil.cli.options import errors, writing
 from hydrohil.cli.report import show_trip
 from hydrohil.experiment.experiment import Experiment, warnings
 from hydrohil.experiment.run import Run
-from hydrohil.shared.trips.files import write
+from hydrohil.recording.trips import TRIPS, write_trip
 from hydrohil.shared.trips.report import Document
 from hydrohil.simulation.simulate import simulate
 
@@ -85,7 +84,7 @@ def kept(run: Run, trace_file: Path | None) -> Run:
 def kept_file(document: Document) -> str:
     """Where a trip's report was written; "" with a line on stderr where that fails."""
     try:
-        return str(write(TRIPS, document))
+        return str(write_trip(document))
     except OSError as error:
         errors.print(f"{TRIPS}: the trip report cannot be written ({error.strerror or error})", markup=False)
         return ""

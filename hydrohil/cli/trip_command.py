@@ -7,7 +7,7 @@ from typing import Annotated, Any
 
 import typer
 
-from hydrohil.cli.options import RUNNING_CELL, AsJson, app, console, fail, make_folders, writing
+from hydrohil.cli.options import RUNNING_CELL, AsJson, app, console, fail, failing, make_folders, writing
 from hydrohil.shared.exit_status import EXIT_USAGE
 
 
@@ -44,18 +44,14 @@ def trip(
 
 def _document(file: Path | None) -> tuple[Path, Any]:
     """The report that is asked for; exit 2 where there is none."""
-    from hydrohil.cell.trip_file import TRIPS
-    from hydrohil.shared.trips.files import read, reports
+    from hydrohil.recording.trips import newest_trip_file, read_trip
 
-    found = file or next(reversed(reports(TRIPS)), None)
-    if found is None:
-        raise fail(f"no trip report in {TRIPS}: `hydrohil status` names the last one of a cell that runs", EXIT_USAGE)
-    try:
-        return found, read(found)
-    except OSError as error:
-        raise fail(f"{found}: {error.strerror}", EXIT_USAGE) from None
-    except ValueError as error:
-        raise fail(error, EXIT_USAGE) from None
+    with failing():
+        found = file or newest_trip_file()
+        try:
+            return found, read_trip(found)
+        except OSError as error:
+            raise fail(f"{found}: {error.strerror}", EXIT_USAGE) from None
 
 
 def _write_tables(signals: dict[str, dict[str, list[Any]]], folder: Path) -> None:

@@ -1,23 +1,19 @@
 """`hydrohil tune`: the six-step procedure of Appendix C, unattended, on any plant."""
 
-import time
+import json
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated
 
 import typer
 
 from hydrohil.cli.experiment_commands import experiment_of
-from hydrohil.cli.options import STUDIES, Settings, app, console, fail, make_folders, writing
+from hydrohil.cli.options import STUDIES, Settings, app, console, fail, failing, make_folders, writing
 from hydrohil.shared.contract.faults import LINKS
 from hydrohil.shared.exit_status import EXIT_USAGE
 
 if TYPE_CHECKING:
-    from hydrohil.claims.trace import Trace
-    from hydrohil.cli.tune_report import TuneReport
     from hydrohil.experiment.experiment import Experiment
-    from hydrohil.tuning.bench import Step
-
-CHOICES = {**{name: (number,) for number, name in enumerate(LINKS)}, "all": (0, 1, 2)}
+    from hydrohil.tuning.tune import Tuning
 
 
 @app.command(rich_help_panel=STUDIES)
@@ -39,58 +35,44 @@ def tune(
     Examples: `hydrohil tune --link down_up`,
     `hydrohil tune --set plant.machine.down_up.breakaway_nm=940.0 --toml mine.toml; hydrohil run mine.toml --clock local`
     """
-    from hydrohil.cli import tune_report as reports
-    from hydrohil.experiment.errors import ExperimentError
+    from hydrohil.cli.tune_report import show
 
-    if link not in CHOICES:
-        raise fail(f"--link is {link!r}: expected {', '.join(CHOICES)}; links go by name", EXIT_USAGE)
+    if link not in (*LINKS, "all"):
+        raise fail(f"--link is {link!r}: expected {', '.join(LINKS)}, all; links go by name", EXIT_USAGE)
     make_folders(json_file, toml_file)
     experiment = experiment_of(name, settings)
-    try:
-        report = _tune(experiment, CHOICES[link], seeds)
-    except ExperimentError as error:
-        raise fail(error, EXIT_USAGE) from None
-    except KeyboardInterrupt:
-        raise fail("interrupted: nothing written", 130) from None
-    reports.show(console, report)
+    with failing("interrupted: nothing written"):
+        tuning = _with_bar(experiment, LINKS if link == "all" else (link,), seeds)
+    show(console, tuning)
     if json_file is not None:
         with writing(json_file):
-            reports.write_json(json_file, report)
-    if toml_file is not None and report.exit_status:
+            text = json.dumps(tuning.summary(), indent=2, allow_nan=False)
+            json_file.write_text(text + "\n", encoding="utf-8")
+    if toml_file is not None and tuning.exit_status:
         console.print(f"{toml_file} is not written: not every link is tuned", highlight=False)
     elif toml_file is not None:
         with writing(toml_file):
-            reports.write_toml(toml_file, report)
-    raise typer.Exit(report.exit_status)
+            toml_file.write_text(tuning.experiment.to_toml(), encoding="utf-8")
+    raise typer.Exit(tuning.exit_status)
 
 
-def _tune(experiment: "Experiment", links: tuple[int, ...], seeds: int) -> "TuneReport":
-    """Tune one link after the other on the local clock, showing each step as it is done."""
+def _with_bar(experiment: "Experiment", links: tuple[str, ...], seeds: int) -> "Tuning":
+    """Tune, showing each step as it is done."""
     from rich.progress import BarColumn, MofNCompleteColumn, Progress, TextColumn, TimeElapsedColumn
 
-    from hydrohil.cli.tune_report import TuneReport, show_step
-    from hydrohil.simulation.rollout import rollout
-    from hydrohil.tuning.bench import Bench, Criteria
-    from hydrohil.tuning.procedure import STEPS, check_place, tune_link
+    from hydrohil.cli.tune_report import show_step
+    from hydrohil.tuning.procedure import STEPS
+    from hydrohil.tuning.tune import TuningProgress, tune
 
-    trials, began = 0, time.perf_counter()
     columns = (TextColumn("{task.description}"), BarColumn(), MofNCompleteColumn(), TimeElapsedColumn())
     with Progress(*columns, console=console, transient=True) as progress:
         task = progress.add_task("the first trial after a change compiles", total=STEPS * len(links))
 
-        def run(trial: "Experiment", seed: int) -> "Trace":
-            nonlocal trials
-            trace = rollout(trial, seed)
-            trials += 1
-            progress.update(task, description=f"{trial.title} ({trials} trials)")
-            return trace
+        def observe(now: TuningProgress) -> None:
+            if now.step is None:
+                progress.update(task, description=f"{now.doing} ({now.trials} trials)")
+            else:
+                show_step(console, now.link, now.step)
+                progress.advance(task)
 
-        def watch(link: int, step: "Step") -> None:
-            show_step(console, link, step)
-            progress.advance(task)
-
-        benches = [Bench(run, experiment, link, tuple(range(seeds))) for link in links]
-        for bench in benches:
-            check_place(bench)
-        tuned = tuple(tune_link(bench, watch) for bench in benches)
-    return TuneReport(experiment, Criteria(), seeds, tuned, trials, time.perf_counter() - began)
+        return tune(experiment, links=links, seeds=seeds, progress=observe)

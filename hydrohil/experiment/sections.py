@@ -15,7 +15,7 @@ from hydrohil.services.controller.config import (
 from hydrohil.services.controller.parameter_schedule import scheduled
 from hydrohil.services.controller.params import DOWN_UP_GAINS, UNIMATE_GAINS, Gains, LinkGains
 from hydrohil.services.plant.config import GateLimits, PlantConfig, StartPosition, latch_substeps, tare_ticks
-from hydrohil.services.plant.params import UNIMATE, Environment, MachineParams
+from hydrohil.services.plant.params import UNIMATE, Environment, LinkParams, MachineParams
 from hydrohil.services.supervisor.config import SupervisorConfig
 
 __all__ = [
@@ -30,6 +30,7 @@ __all__ = [
     "GateLimits",
     "ImpedanceConfig",
     "LinkGains",
+    "LinkParams",
     "MachineParams",
     "PlantConfig",
     "Reference",

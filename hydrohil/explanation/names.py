@@ -9,14 +9,10 @@ from hydrohil.explanation.walk import FACTS
 from hydrohil.services.supervisor.modes import Event
 from hydrohil.services.supervisor.rules import RULES
 from hydrohil.shared.contract.messages import GateCause, Mode, TripCause
-from hydrohil.shared.errors import HydrohilError
+from hydrohil.shared.errors import UnknownNameError
 
 GATE = "gate."  # before the name of a condition of the gate, where the supervisor may have a rule of the same name
 Value = TypeVar("Value")
-
-
-class UnknownNameError(HydrohilError, LookupError):
-    """A name that means nothing here; the message gives the nearest."""
 
 
 class Breakable(NamedTuple):

@@ -8,10 +8,10 @@ from pathlib import Path
 import pytest
 from typer.testing import CliRunner, Result
 
-from hydrohil.cell.trip_file import TRIPS
 from hydrohil.cli.main import app
 from hydrohil.cli.run import kept_file
 from hydrohil.pages.trip_page import page
+from hydrohil.recording.trips import TRIPS
 from hydrohil.shared.trips.files import read, reports, write
 from tests.support.trip_scene import TRIP_NUMBER, report
 

@@ -3,9 +3,8 @@
 import pytest
 
 from hydrohil.explanation.causes import default_limit, explain
-from hydrohil.explanation.names import UnknownNameError
 from hydrohil.shared.contract.messages import GateCause, TripCause
-from hydrohil.shared.errors import HydrohilError
+from hydrohil.shared.errors import HydrohilError, UnknownNameError
 
 
 def test_a_rule_with_a_unit_has_its_default_limit():
