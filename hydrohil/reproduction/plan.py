@@ -34,7 +34,7 @@ class Figure(NamedTuple):
 
     @property
     def names(self) -> tuple[str, ...]:
-        """Everything that it answers to."""
+        """Every name by which it is found."""
         return tuple(dict.fromkeys((self.name, self.subject.alias, *self.also)))
 
     @property

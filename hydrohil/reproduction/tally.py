@@ -25,22 +25,22 @@ class Tally(NamedTuple):
 
     @property
     def seeds(self) -> int:
-        """In how many seeds it was judged."""
+        """Number of seeds in which it was judged."""
         return len(self.measured)
 
     @property
     def holds(self) -> bool:
-        """In 95 % of the seeds, which of fewer than twenty is in all."""
+        """Whether it holds in 95 % of the seeds; of fewer than twenty seeds these are all."""
         return 100 * self.held >= ENOUGH_PERCENT * self.seeds
 
     @property
     def determined(self) -> tuple[float, ...]:
-        """What was measured where there was something to measure."""
+        """The measured values that are numbers: a trial may not determine a claim."""
         return tuple(value for value in self.measured if math.isfinite(value))
 
     @property
     def mean(self) -> float:
-        """Over the seeds that determine it."""
+        """Mean over the seeds that determine it."""
         return float(np.mean(self.determined)) if self.determined else math.nan
 
     @property
@@ -69,7 +69,7 @@ class Count(NamedTuple):
 
     @property
     def fail(self) -> int:
-        """How many do not."""
+        """Number of claims that do not hold."""
         return self.claims - self.hold
 
 
@@ -112,7 +112,7 @@ def counts(results: Iterable[Result]) -> tuple[Count, ...]:
 
 
 def total(results: Sequence[Result]) -> Count:
-    """Over all chapters."""
+    """Claims of all chapters."""
     return _count("all", results)
 
 

@@ -76,7 +76,7 @@ def _ended(sample: Table, outcome: Outcome) -> Table:
 
 
 def _permits(outcome: Outcome, numbers: list[int], modes: list[int]) -> Table:
-    """Only the last one trips; the others said nothing against it."""
+    """The permits of the rows; only the last one states a cause."""
     watch, quiet = outcome.supervisor, len(numbers) - 1
     return {
         "echo_number": numbers,

@@ -46,7 +46,7 @@ def position_deg(times_s: Reals) -> Reals:
 
 
 def velocity_deg_per_s(times_s: Reals) -> Reals:
-    """Its derivative."""
+    """Velocity of that profile, the derivative of `position_deg`."""
     rate = np.pi / 2.0 / QUARTER_S
     return np.asarray(AMPLITUDE_DEG * rate * np.sin(rate * np.maximum(times_s, 0.0)))
 

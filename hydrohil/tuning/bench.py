@@ -77,7 +77,7 @@ def unit(link: int) -> str:
 
 
 def rad_per_unit(link: int) -> float:
-    """That unit in rad (link 3: in m)."""
+    """Size of `unit(link)` in rad (link 3: in m)."""
     return 1.0 if link == OUT_IN else RAD_PER_DEG
 
 
@@ -87,7 +87,7 @@ def a_per_printed(link: int) -> float:
 
 
 def worst_ringing(bench: Bench, traces: tuple[Trace, ...], setpoint: Pattern) -> Ringing:
-    """Of the seed in which ringing lasts longest."""
+    """Ringing of the seed in which it lasts longest."""
     least = bench.criteria.ripple_counts
     return max((measure.ringing(trace, bench.link, setpoint, least) for trace in traces), key=lambda ring: lasting(ring, least))
 

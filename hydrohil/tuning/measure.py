@@ -33,7 +33,7 @@ class Ringing(NamedTuple):
 
 
 def ringing(trace: Trace, link: int, setpoint: Pattern, least: float) -> Ringing:
-    """Of the constant speed in which ringing lasts longest; below `least` counts it is none."""
+    """Ringing of the constant speed in which it lasts longest; below `least` counts it is none."""
     found = [_ringing(window(trace, *cruise), link) for cruise in setpoint.cruises_s]
     return max(found, key=lambda ring: lasting(ring, least))
 
@@ -85,7 +85,7 @@ def overshoot_q(trace: Trace, link: int, setpoint: Pattern) -> float:
 
 
 def overshoot_counts(trace: Trace, link: int, setpoint: Pattern) -> float:
-    """The same in encoder counts."""
+    """`overshoot_q` in encoder counts."""
     return overshoot_q(trace, link, setpoint) / count_size(JOINTS[link])
 
 

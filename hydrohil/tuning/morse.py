@@ -59,7 +59,7 @@ def suffers(criteria: Criteria, numbers: tuple[float, ...]) -> str:
 
 
 def judge_alpha(bench: Bench, gains: LinkGains, alpha: float) -> Tried:
-    """The same numbers at `alpha`."""
+    """What `judge_integral` measures, at `alpha`."""
     return judge_integral(bench, gains._replace(alpha_max_q2_per_s2=alpha), gains.ki_a_per_q_s)._replace(value=alpha)
 
 
@@ -76,7 +76,7 @@ def best_integral(found: Found) -> Tried | None:
 
 
 def morse(bench: Bench, gains: LinkGains) -> tuple[Step, ...]:
-    """Steps 3 and 4."""
+    """Steps 3 and 4: K_I, then alpha_max."""
     tuned = tune(bench, gains)
     return integral_step(bench, tuned), alpha_step(bench, tuned)
 
