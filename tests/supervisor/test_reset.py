@@ -30,15 +30,15 @@ class Tripped(Scene):
         self.number += 1
         changes = getattr(self, "sample_changes", {})
         head = header("plant/sample", self.number, run=run.run, experiment=run.experiment)
-        self.supervisor.sample = Received(0, "plant/sample", head, sample(self.number, **changes))
+        self.supervisor.cell.sample = Received(0, "plant/sample", head, sample(self.number, **changes))
         ready = SimpleNamespace(ready=1)
-        self.supervisor.controller = Received(0, "controller/state", head, ready)
-        self.supervisor._judge(self.supervisor.sample, 0)
+        self.supervisor.cell.controller = Received(0, "controller/state", head, ready)
+        self.supervisor._judge(self.supervisor.cell.sample, 0)
 
     def request(self, verb="reset"):
         """Put a request in the queue; its answers."""
         answers = []
-        self.supervisor._serve(Request(verb, {}, lambda *answer: answers.append(answer)))
+        self.supervisor.requests.answer(Request(verb, {}, lambda *answer: answers.append(answer)))
         return answers
 
     def unload(self):

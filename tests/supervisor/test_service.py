@@ -5,8 +5,9 @@ import json
 import pytest
 
 from hydrohil.services.supervisor import service
+from hydrohil.services.supervisor.cell_view import Loaded
 from hydrohil.services.supervisor.observe import observer_start
-from hydrohil.services.supervisor.service import Loaded, Supervisor
+from hydrohil.services.supervisor.service import Supervisor
 from hydrohil.shared.contract.codec import Received
 from hydrohil.shared.contract.deadline_window import DeadlineWindow
 from hydrohil.shared.contract.envelope import seal
@@ -23,7 +24,7 @@ class Scene:
     def __init__(self, known=UNKNOWN):
         self.bus, self.known = FakeBus(), known
         self.supervisor = Supervisor(self.bus, lambda: self.known)
-        self.supervisor._learn(DESCRIPTION)
+        self.supervisor.cell.describe(DESCRIPTION)
         self.number = 0
         self.judge()
 
@@ -31,14 +32,14 @@ class Scene:
         run = self.bus.run
         self.number += 1
         head = header("plant/sample", self.number, run=run.run, experiment=run.experiment)
-        self.supervisor.sample = Received(0, "plant/sample", head, sample(self.number))
+        self.supervisor.cell.sample = Received(0, "plant/sample", head, sample(self.number))
         ready = type("Body", (), {"ready": 1})()
-        self.supervisor.controller = Received(0, "controller/state", head, ready)
-        self.supervisor._judge(self.supervisor.sample, 0)
+        self.supervisor.cell.controller = Received(0, "controller/state", head, ready)
+        self.supervisor._judge(self.supervisor.cell.sample, 0)
 
     def ask(self, verb, **arguments):
         answers = []
-        self.supervisor._serve(Request(verb, arguments, lambda *answer: answers.append(answer)))
+        self.supervisor.requests.answer(Request(verb, arguments, lambda *answer: answers.append(answer)))
         if not answers:
             self.judge()
         return answers[0]
@@ -136,7 +137,7 @@ def test_a_request_that_is_unknown_is_refused_by_name():
     accepted, reason, _ = Scene().ask("dance")
     assert not accepted
     assert "'dance'" in reason
-    assert json.dumps(Scene().supervisor.status())
+    assert json.dumps(Scene().supervisor.requests.status())
 
 
 @pytest.mark.parametrize(("clock", "patient_ns"), [("real", 20_000_000), ("lockstep", 6_000_000_000)])
@@ -144,7 +145,7 @@ def test_a_request_to_a_cell_without_a_plant_is_answered_and_never_acts_later(mo
     scene, answers = Scene(), []
     text = seal({}, run=7, seed=1, clock=clock, tare_ticks=8, duration_ticks=100)
     scene.commit(scene.ask("load", envelope=text)[2])
-    scene.supervisor._serve(Request("arm", {}, lambda *answer: answers.append(answer)))
+    scene.supervisor.requests.answer(Request("arm", {}, lambda *answer: answers.append(answer)))
     monkeypatch.setattr(service.time, "monotonic_ns", lambda: patient_ns)
     scene.supervisor._judge_absence()
     assert not answers
@@ -162,7 +163,7 @@ def test_a_request_to_a_cell_without_a_plant_is_answered_and_never_acts_later(mo
 def test_absence_is_judged_a_lease_after_the_last_sample_whoever_judged_that_one(monkeypatch, age_ns, patience_s):
     scene = Scene()
     scene.armed()
-    arrival_ns = scene.supervisor.sample.arrival_ns
+    arrival_ns = scene.supervisor.cell.sample.arrival_ns
     monkeypatch.setattr(service.time, "monotonic_ns", lambda: arrival_ns + age_ns)
     assert scene.supervisor._patience_s() == pytest.approx(patience_s, rel=1e-6)
 
@@ -211,7 +212,7 @@ class Linked(Scene):
         self.commit(self.load()[2])
         self.step()
         for verb in ("arm", "start"):
-            self.supervisor._serve(Request(verb, {}, lambda *answer: None))
+            self.supervisor.requests.answer(Request(verb, {}, lambda *answer: None))
             self.step()
         assert self.supervisor.memory.mode == Mode.RUNNING
         return self
@@ -248,7 +249,7 @@ def test_two_publishers_on_a_topic_trip_a_trial_and_refuse_arming(epoch):
 def test_a_controller_of_another_run_or_experiment_trips_even_before_anything_moves(changes):
     scene = Linked().started()
     assert scene.step(state_run=changes).cause == TripCause.OTHER_RUN
-    assert scene.supervisor.states.acceptance.other_run == 1
+    assert scene.supervisor.cell.states.acceptance.other_run == 1
 
 
 def test_a_single_state_of_another_run_between_two_samples_is_not_overlooked():
@@ -270,9 +271,9 @@ def test_in_lockstep_a_second_is_a_second_of_samples():
     scene.step(samples=221)
     scene.again("plant/sample")
     scene.step()
-    assert scene.supervisor.samples.protection.observe(scene.number * 4_500_000).faults == 2
+    assert scene.supervisor.cell.samples.protection.observe(scene.number * 4_500_000).faults == 2
     scene.step(samples=2)
-    assert scene.supervisor.samples.protection.observe(scene.number * 4_500_000).faults == 1
+    assert scene.supervisor.cell.samples.protection.observe(scene.number * 4_500_000).faults == 1
 
 
 def test_answers_that_are_not_in_time_are_told_in_the_status():
@@ -280,11 +281,11 @@ def test_answers_that_are_not_in_time_are_told_in_the_status():
     scene.supervisor.memory = scene.supervisor.memory._replace(
         observer=observer_start()._replace(answers=DeadlineWindow(0b11110, 0, 4, 3))
     )
-    assert (scene.supervisor.status()["in_time"], scene.supervisor.status()["warnings"]) == (0.96, [])
+    assert (scene.supervisor.requests.status()["in_time"], scene.supervisor.requests.status()["warnings"]) == (0.96, [])
     scene.supervisor.memory = scene.supervisor.memory._replace(
         observer=observer_start()._replace(answers=DeadlineWindow(0b1111, 0, 4, 4))
     )
-    assert scene.supervisor.status()["warnings"] == ["4 answers in a row were late or missing; the lease bears 4"]
+    assert scene.supervisor.requests.status()["warnings"] == ["4 answers in a row were late or missing; the lease bears 4"]
 
 
 def test_a_lockstep_commit_after_an_injection_is_refused_and_nothing_has_changed():
@@ -294,7 +295,7 @@ def test_a_lockstep_commit_after_an_injection_is_refused_and_nothing_has_changed
     assert scene.ask("inject", fault=loss)[0]
     accepted, reason, _ = scene.commit(values)
     assert not accepted and "--clear" in reason
-    assert scene.supervisor.envelope is None and scene.bus.run.run == 0
+    assert scene.supervisor.cell.envelope is None and scene.bus.run.run == 0
     scene.ask("clear")
     assert scene.commit(values)[0]
 
@@ -379,8 +380,11 @@ def test_a_new_load_forgets_the_samples_that_wait():
     scene = InStep()
     scene.sampled(10, -8).judged()
     assert scene.sampled(11, -7).judged() == []
-    scene.supervisor._loading._pending = (scene.supervisor.envelope, Loaded(scene.supervisor.config, unqualified=False))
-    scene.commit({"digest": scene.supervisor.envelope.digest.hex()})
+    scene.supervisor.requests._loading._pending = (
+        scene.supervisor.cell.envelope,
+        Loaded(scene.supervisor.cell.config, unqualified=False),
+    )
+    scene.commit({"digest": scene.supervisor.cell.envelope.digest.hex()})
     assert scene.answered(10).judged() == []
 
 
@@ -421,8 +425,8 @@ def test_in_lockstep_the_host_does_not_matter():
 
 def test_a_host_without_a_record_arms_and_says_that_it_is_not_qualified():
     scene = Scene()
-    assert scene.supervisor.status()["qualification"] is None
-    assert "hydrohil qualify" in scene.supervisor.status()["qualified"]
+    assert scene.supervisor.requests.status()["qualification"] is None
+    assert "hydrohil qualify" in scene.supervisor.requests.status()["qualified"]
     assert scene.armed()[0]
 
 
@@ -431,7 +435,7 @@ def test_a_record_made_since_the_start_counts_from_the_next_load_on():
     assert scene.armed()[0]
     scene.known = qualified_for(0)
     assert scene.ask("start")[0]
-    assert scene.supervisor.status()["qualification"] is None
+    assert scene.supervisor.requests.status()["qualification"] is None
     scene.ask("stop")
     assert scene.load()[2]["qualification"] == scene.known.qualified._asdict()
     assert not scene.armed()[0]
@@ -440,6 +444,6 @@ def test_a_record_made_since_the_start_counts_from_the_next_load_on():
 def test_an_armed_cell_whose_plant_then_tells_a_faster_rate_is_disarmed():
     scene = Scene(qualified_for(DESCRIPTION.sample_period_ns))
     assert scene.armed()[0]
-    scene.supervisor._learn(DESCRIPTION._replace(sample_period_ns=DESCRIPTION.sample_period_ns - 50_000))
+    scene.supervisor.cell.describe(DESCRIPTION._replace(sample_period_ns=DESCRIPTION.sample_period_ns - 50_000))
     scene.judge()
     assert scene.supervisor.memory.mode == Mode.DISARMED
