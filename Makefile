@@ -31,10 +31,10 @@ check: install
 	$(BIN)/mypy
 
 # Kernels run plain, so that their branches are seen; fails below 100 %.
-COVERED := tests/test_gate_*.py tests/test_supervisor_*.py tests/proof/test_black_channel.py tests/proof/test_wire_fuzz.py \
+COVERED := tests/plant/test_gate_*.py tests/supervisor/test_*.py tests/proof/test_black_channel.py tests/proof/test_wire_fuzz.py \
 	tests/shared/transport/test_acceptance.py tests/shared/transport/test_bus.py tests/shared/contract/test_codec.py tests/shared/transport/test_inbox.py \
 	tests/shared/transport/test_protection.py tests/shared/transport/test_link_stats.py tests/shared/transport/test_requests.py tests/shared/contract/test_timeliness.py tests/shared/transport/test_step_lock.py \
-	tests/test_plant_gatekeeper*.py tests/shared/host/test_lease.py tests/plant/test_ledger.py tests/plant/test_mailbox.py \
+	tests/plant/test_gatekeeper*.py tests/shared/host/test_lease.py tests/shared/host/test_two_phase_load.py tests/plant/test_ledger.py tests/plant/test_mailbox.py \
 	tests/plant/test_cause_values.py
 
 coverage: install

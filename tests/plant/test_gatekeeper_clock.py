@@ -43,7 +43,7 @@ def test_before_anything_came_no_service_has_answered_and_nothing_was_cut():
     scene = LockstepScene()
     keeper = scene.keeper
     assert answered(scene) == {"controller": NO_COMMAND, "supervisor": NO_COMMAND}
-    assert keeper.awaited(0) == SERVICES
+    assert (keeper.awaited(0), keeper._force_counts) == (SERVICES, 0)
     assert (keeper.stop_pressed, keeper.late_substeps, keeper.command_age_ns) == (False, 0, 0)
     status = keeper.status()
     assert (status["last_cut"], status["last_cut_ns"], status["last_cut_clock_ns"]) == ("NONE", 0, 0)
