@@ -54,7 +54,7 @@ slow: install
 # The site in build/site; fails on a link or an anchor that leads nowhere.
 docs: install
 	$(BIN)/python -m pip install --quiet --disable-pip-version-check --editable '.[docs]'
-	$(BIN)/python docs/generate.py
+	$(BIN)/python -m docs.generate
 	$(BIN)/zensical build --clean --strict
 
 lock: install

@@ -1,24 +1,22 @@
 """The site's sources in `build/docs`: the pages that are written, and those that are made from the code.
 
-`make docs` calls this and then the site builder. The tests read `generated()` without building anything.
+`make docs` calls `python -m docs.generate` and then the site builder. The tests read `generated()` without building anything.
 """
 
 import inspect
 import re
 import shutil
-import sys
-from collections.abc import Iterable, Iterator
-from math import isfinite
+from collections.abc import Iterable
 from pathlib import Path
-from types import NoneType, UnionType
-from typing import Annotated, Any, Literal, Union, get_args, get_origin, get_type_hints
+from typing import Any
+
+from docs.experiment_fields import code, fields
 
 ROOT = Path(__file__).resolve().parent.parent
 DOCS = ROOT / "docs"
 OUT = ROOT / "build" / "docs"
 REPOSITORY_PAGES = {"README.md": "index.md", "CONTRIBUTING.md": "contributing.md", "CHANGELOG.md": "changelog.md"}
 COPIED = (".md", ".png", ".css")
-LINKS = ("rotate", "down_up", "out_in")
 
 
 def table(head: Iterable[str], rows: Iterable[Iterable[object]]) -> str:
@@ -27,11 +25,6 @@ def table(head: Iterable[str], rows: Iterable[Iterable[object]]) -> str:
     lines = [" | ".join(head), " | ".join("---" for _ in head)]
     lines += [" | ".join(" ".join(str(cell).split()).replace("|", "\\|") for cell in row) for row in rows]
     return "".join(f"| {line} |\n" for line in lines)
-
-
-def code(value: object) -> str:
-    """A value as code."""
-    return f"`{value}`"
 
 
 def plain(text: str) -> str:
@@ -116,7 +109,7 @@ the tick, local or lockstep; P: by tests; -: not tried.
 FIELDS = """## Fields
 
 The path is that of `--set` and of the TOML file. Lists of tables (`reference`, `faults`, `changes`, `claims`) have one row a
-field; `<link>` is `rotate`, `down_up` or `out_in`, whose values differ.
+field; `<link>` is `rotate`, `down_up` or `out_in`, whose defaults differ.
 """
 RULES = """# Rules
 
@@ -212,70 +205,6 @@ def _first_line(thing: object) -> str:
     return (inspect.getdoc(thing) or "").split("\n")[0]
 
 
-Field = tuple[str, str, str, str, str]
-
-
-def fields(kind: Any, path: str = "", given: Any = None) -> Iterator[Field]:
-    """Every field of a section, and of the sections in it; `given` has its defaults where a section that holds it names them."""
-    hints, comments = get_type_hints(kind, include_extras=True), _comments(kind)
-    defaults = given._asdict() if isinstance(given, kind) else kind._field_defaults
-    for name in kind._fields:
-        if name in LINKS[1:] and hints[name] is hints.get(LINKS[0]):
-            continue  # the same fields as those of the first link
-        shown = f"{path}{'<link>' if name == LINKS[0] else name}"
-        yield from _field(shown, hints[name], defaults.get(name), comments.get(name, ""))
-
-
-def _field(path: str, hint: Any, default: Any, comment: str) -> Iterator[Field]:
-    plain, bounds = _unwrapped(hint)
-    section = next((part for part in (plain, *get_args(plain)) if hasattr(part, "_fields")), None)
-    if section is not None:
-        yield from fields(section, f"{path}.", None if path.endswith("<link>") else default)
-        return
-    shown = "" if default is None or default == "" else code(_short(default))
-    yield code(path), _type_words(plain), bounds, shown, comment
-
-
-def _unwrapped(hint: Any) -> tuple[Any, str]:
-    """The type without its bounds, and these in words; of an optional type, the type."""
-    if get_origin(hint) in (Union, UnionType):
-        hint = next(part for part in get_args(hint) if part is not NoneType)
-    if get_origin(hint) is Annotated:
-        plain, *marks = get_args(hint)
-        return plain, ", ".join(filter(None, map(_bound, marks)))
-    return hint, ""
-
-
-def _bound(mark: Any) -> str:
-    words = (("gt", ">"), ("ge", ">="), ("lt", "<"), ("le", "<="))
-    found = [f"{sign} {value:g}" for name, sign in words if (value := getattr(mark, name, None)) is not None and isfinite(value)]
-    return ", ".join(found)
-
-
-def _type_words(plain: Any) -> str:
-    if get_origin(plain) is Literal:
-        return ", ".join(map(code, get_args(plain)))
-    if get_origin(plain) is tuple:
-        parts = [part for part in get_args(plain) if part is not Ellipsis]
-        return "list of " + _type_words(_unwrapped(parts[0])[0])
-    return str(getattr(plain, "__name__", plain))
-
-
-def _short(default: Any) -> str:
-    if isinstance(default, float):
-        return f"{default:.6g}"
-    return "[" + ", ".join(map(_short, default)) + "]" if isinstance(default, tuple) else str(default)
-
-
-def _comments(kind: Any) -> dict[str, str]:
-    """The comment beside each field in the source."""
-    try:
-        source = inspect.getsource(kind)
-    except (OSError, TypeError):
-        return {}
-    return {found[1]: found[2] for found in re.finditer(r"^ {4}(\w+): [^#\n]*# (.+)$", source, re.MULTILINE)}
-
-
 def generated() -> dict[str, str]:
     """Every page that is made, by its path on the site."""
     made = {here: on_site((ROOT / there).read_text()) for there, here in REPOSITORY_PAGES.items()}
@@ -307,5 +236,4 @@ def main() -> None:
 
 
 if __name__ == "__main__":
-    sys.path.insert(0, str(ROOT))
     main()

@@ -8,13 +8,16 @@ import pytest
 import typer.main
 from typer.testing import CliRunner
 
+from docs import generate
 from hydrohil.cli.main import app
 from hydrohil.experiment.overrides import with_overrides
 from hydrohil.shared import exit_status
 from hydrohil.shared.contract import messages
+from hydrohil.shared.contract.faults import LINKS
+from hydrohil.shared.contract.link_units import plain_of
 from hydrohil.shared.contract.topics import SERVICES
 from hydrohil.thesis.library import find
-from tests.support.pages import DOCS, PAGES, ROOT, anchors, command_lines, generator, links, name_of, rows, site, without_code
+from tests.support.pages import DOCS, PAGES, ROOT, anchors, command_lines, links, name_of, rows, site, without_code
 
 COMMANDS: Any = typer.main.get_command(app)
 AWAITED = (["list", "force"],)  # written before it is there
@@ -35,7 +38,7 @@ def test_the_readme_is_a_front_page() -> None:
 
 @pytest.mark.parametrize("page", PAGES, ids=name_of)
 def test_every_file_linked_exists(page: Any) -> None:
-    made = generator().generated()
+    made = generate.generated()
     for link in links(page.read_text()):
         target, _, anchor = link.partition("#")
         if link.startswith("https://"):
@@ -133,3 +136,20 @@ def test_the_page_of_rules_has_every_cause() -> None:
     page = site()["reference/rules.md"]
     for cause in (*messages.TripCause, *messages.GateCause):
         assert not cause or f"| {int(cause)} | `{cause.name}` |" in page, cause
+
+
+def test_the_page_of_experiments_has_every_path_that_a_file_may_have() -> None:
+    page = site()["reference/experiments.md"]
+    plain = plain_of(find("fig-5-5"))
+    for section in ("plant", "controller", "supervisor"):
+        for path in paths(plain[section], section):
+            link = next((link for link in LINKS if f".{link}." in path), "")
+            name = path.rsplit(".", 1)[-1]
+            assert f"`{path}`" in page or (link and (f".<link>.{name}`" in page or f"`{name}`" in page)), path
+
+
+def paths(plain: Any, before: str) -> list[str]:
+    """Paths of all values of plain data, in the form of `--set`."""
+    if not isinstance(plain, dict):
+        return [before]
+    return [path for name, value in plain.items() for path in paths(value, f"{before}.{name}")]

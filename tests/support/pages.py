@@ -1,12 +1,12 @@
 """The pages of the documentation as data: blocks, tables, links, anchors, command lines."""
 
-import importlib.util
 import re
 import shlex
 from collections.abc import Iterator
 from functools import cache
 from pathlib import Path
-from types import ModuleType
+
+from docs import generate
 
 ROOT = Path(__file__).resolve().parents[2]
 DOCS = ROOT / "docs"
@@ -19,21 +19,11 @@ def name_of(page: Path) -> str:
     return page.relative_to(ROOT).as_posix()
 
 
-def generator() -> ModuleType:
-    """`docs/generate.py`, which is in no package."""
-    spec = importlib.util.spec_from_file_location("docs_generate", DOCS / "generate.py")
-    assert spec is not None and spec.loader is not None
-    module = importlib.util.module_from_spec(spec)
-    spec.loader.exec_module(module)
-    return module
-
-
 @cache
 def site() -> dict[str, str]:
     """Every page of the site by its path there: those that are written, and those that are made from the code."""
-    made = generator()
-    written = {page.relative_to(DOCS).as_posix(): made.on_site(page.read_text()) for page in DOCS.rglob("*.md")}
-    return written | dict(made.generated())
+    written = {page.relative_to(DOCS).as_posix(): generate.on_site(page.read_text()) for page in DOCS.rglob("*.md")}
+    return written | generate.generated()
 
 
 def without_code(text: str) -> str:
