@@ -24,7 +24,7 @@ PATIENCE_S = 30.0
 PORTS = 8  # beside the fault test's own cell and that of the start orders
 
 
-def ended(rig: Rig, rng: Random, number: int, how: signal.Signals, everything: bool) -> Trial:
+def run_ended(rig: Rig, rng: Random, number: int, how: signal.Signals, everything: bool) -> Trial:
     """A signal to `hydrohil run`, which brought its cell up, or, as a closed terminal does, to all that it started."""
     place = rig.place._replace(cell=f"{rig.place.cell}-ending", port=rig.place.port + PORTS)
     with tempfile.TemporaryDirectory() as folder:
@@ -33,20 +33,19 @@ def ended(rig: Rig, rng: Random, number: int, how: signal.Signals, everything: b
         line = [*python_module("hydrohil"), "run", str(experiment), "--rrd", str(recording), "--unqualified"]
         line += [*place.words, *rig.extra.get("plant", [])]
         quiet = subprocess.DEVNULL
-        signal.signal(signal.SIGINT, signal.default_int_handler)  # in the background of a shell it is ignored, and inherited so
-        run = subprocess.Popen(
-            line, cwd=folder, env=environment(), stdout=quiet, stderr=quiet, start_new_session=True
-        )  # its reports stay there
+        # a shell starts background processes with SIGINT ignored, and children inherit that
+        signal.signal(signal.SIGINT, signal.default_int_handler)
+        run = subprocess.Popen(line, cwd=folder, env=environment(), stdout=quiet, stderr=quiet, start_new_session=True)
         try:
             with cells.operator_bus(place) as bus:
-                trial = _ended(Observer(bus), run, rng, how, everything)
+                trial = _signal_run(Observer(bus), run, rng, how, everything)
         finally:
             run.kill()
             run.wait()
         return _recorded(trial, recording)
 
 
-def _ended(observer: Observer, run: "subprocess.Popen[bytes]", rng: Random, how: signal.Signals, everything: bool) -> Trial:
+def _signal_run(observer: Observer, run: "subprocess.Popen[bytes]", rng: Random, how: signal.Signals, everything: bool) -> Trial:
     deadline = time.monotonic() + PATIENCE_S
     while not (samples := observer.listen().samples) or samples[-1].body.tick in (NO_TRIAL, *range(-10_000, 0)):
         if time.monotonic() > deadline or run.poll() is not None:

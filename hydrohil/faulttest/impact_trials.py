@@ -127,7 +127,7 @@ def _two_periods(period_s: float) -> float:
 
 def impact_live(rig: Rig, rng: Random, number: int) -> Trial:
     """The same with real processes: from the arrival of the first sample above the limit; the overshoot in N."""
-    rig.started(IMPACT, rng.randrange(1 << 32))
+    rig.start_trial(IMPACT, rng.randrange(1 << 32))
     revoked = int(rig.status("plant")["revoked_arming_ids"])
     rig.wait_for(lambda: rig.status("supervisor").get("mode") == Mode.TRIPPED.name, "the over-force trip")
     observed = rig.observer.listen_for(WATCHED_S)

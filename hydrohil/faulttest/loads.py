@@ -55,7 +55,7 @@ def compare_timing(quiet: Sequence[float], loaded: Sequence[float]) -> tuple[boo
     return ratio <= ALLOWED * noise, words
 
 
-def unharmed(observed: Observation, quiet: Sequence[Received], loaded: Sequence[Received]) -> Trial:
+def timing_unchanged(observed: Observation, quiet: Sequence[Received], loaded: Sequence[Received]) -> Trial:
     """The trial ran on, with the same timing."""
     same, words = compare_timing(latencies_ms(quiet), latencies_ms(loaded))
     cut = next((m.body for m in observed.gates if m.body.state == GateState.REVOKED), None)
@@ -68,33 +68,33 @@ def recorder_fault(rig: Rig, rng: Random, number: int, how: str) -> Trial:
     """Killed, frozen, or without room on its disk while it records."""
     folder = Path(tempfile.mkdtemp(prefix="hydrohil-faults-"))
     try:
-        return _without_recorder(rig, rng, number, how, folder / "run.rrd")
+        return _during_recording(rig, rng, number, how, folder / "run.rrd")
     finally:
         rig.bus.ask("recorder", "finish", {}, 5.0)
         shutil.rmtree(folder, ignore_errors=True)
 
 
-def _without_recorder(rig: Rig, rng: Random, number: int, how: str, path: Path) -> Trial:
+def _during_recording(rig: Rig, rng: Random, number: int, how: str, path: Path) -> Trial:
     rig.reset()
     rig.wait_for(lambda: bool(rig.status("recorder")), "the recorder", START_S)
     rig.ask("recorder", "record", path=str(path), title="faults", summary_markdown="")
-    rig.moving(motion(number), rng)
+    rig.start_moving(motion(number), rng)
     if how == "frozen":
-        return _compared(rig, lambda: _signalled(rig, how, path))
+        return _compared(rig, lambda: _recorder_broken(rig, how, path))
     began_ns = time.monotonic_ns()
     rig.observer.listen_for(QUIET_S)
     fault_ns = time.monotonic_ns()
-    with _signalled(rig, how, path):
+    with _recorder_broken(rig, how, path):
         observed = rig.observer.listen_for(LOADED_S)
     if how == "killed":
         rig.processes["recorder"].wait()
     samples = since(observed.samples, began_ns)
     quiet = [m for m in samples if m.arrival_ns < fault_ns]
-    return unharmed(observed, quiet, since(samples, fault_ns))
+    return timing_unchanged(observed, quiet, since(samples, fault_ns))
 
 
 @contextmanager
-def _signalled(rig: Rig, how: str, path: Path) -> Iterator[None]:
+def _recorder_broken(rig: Rig, how: str, path: Path) -> Iterator[None]:
     recorder = rig.processes["recorder"]
     if how == "killed":
         recorder.kill()
@@ -122,7 +122,7 @@ def _full(pid: int, size: int) -> Iterator[None]:
 
 def requests(rig: Rig, rng: Random, number: int) -> Trial:
     """100 status requests a second, to each service of the loop in turn."""
-    rig.moving(motion(number), rng)
+    rig.start_moving(motion(number), rng)
     return _compared(rig, lambda: _background(lambda: _asking(rig)))
 
 
@@ -136,7 +136,7 @@ def _compared(rig: Rig, load: Callable[[], AbstractContextManager[None]]) -> Tri
         with load() if turn % 2 else nullcontext():
             observed = rig.observer.listen_for(TURN_S)
         (loaded if turn % 2 else quiet).extend(since(observed.samples, from_ns))
-    return unharmed(observed, quiet, loaded)
+    return timing_unchanged(observed, quiet, loaded)
 
 
 @contextmanager
@@ -166,7 +166,7 @@ def _asking(rig: Rig) -> None:
 def foreign_frames(rig: Rig, rng: Random, number: int) -> Trial:
     """Valid frames of a foreign publisher that ask for full swing: counted, and nothing else."""
     with cells.operator_bus(rig.place) as foreign:
-        rig.moving(motion(number), rng)
+        rig.start_moving(motion(number), rng)
         before = discarded(rig)
         from_ns = time.monotonic_ns()
         flood = Flood(foreign)
@@ -204,7 +204,7 @@ def discarded(rig: Rig) -> int:
 
 def hogged(rig: Rig, rng: Random, number: int) -> Trial:
     """Twice as many busy processes as there are processors: the trial goes on, or the lease ends it safely."""
-    rig.moving(motion(number), rng)
+    rig.start_moving(motion(number), rng)
     count = 2 * len(os.sched_getaffinity(0))
     fault_ns = time.monotonic_ns()
     hogs = [subprocess.Popen(python_program("while True: pass")) for _ in range(count)]

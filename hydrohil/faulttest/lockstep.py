@@ -40,11 +40,11 @@ def played(rig: Rig, rng: Random, faults: Faults, after_s: float = AFTER_S) -> t
     """The messages of a trial, and the index of its first sample that has the fault."""
     rig.reset()
     at_s, lease_s = rng.uniform(*AT_S), rig.lease_s()
-    fault_trial = faults(at_s, lease_s)
-    rig.started(trial_of(fault_trial, at_s + after_s), rng.randrange(1 << 32), "lockstep")
+    injected = faults(at_s, lease_s)
+    rig.start_trial(trial_of(injected, at_s + after_s), rng.randrange(1 << 32), "lockstep")
     rig.wait_for(lambda: _over(rig), "the trial's end", PATIENCE_S)
     observed = rig.observer.listen_for(QUIET_S)
-    first = next((i for i, m in enumerate(observed.samples) if _has(m, fault_trial[0])), None)
+    first = next((i for i, m in enumerate(observed.samples) if _has(m, injected[0])), None)
     if first is None:
         causes = ", ".join(GateCause(m.body.cause).name for m in observed.gates)
         raise CellError(f"the trial ended before its fault: {rig.state()}; the gate's decisions: {causes}")
@@ -134,7 +134,7 @@ def live(rig: Rig, rng: Random, number: int, target: str) -> Trial:
     at_s = rng.uniform(*AT_S)
     fault = Fault("partition", target, at_s)
     experiment = motion(number)._replace(faults=(fault,))
-    rig.started(experiment, rng.randrange(1 << 32))
+    rig.start_trial(experiment, rng.randrange(1 << 32))
     revoked = int(rig.status("plant")["revoked_arming_ids"])
     lease_s = rig.lease_s()
     rig.wait_for(lambda: any(_has(m, fault) for m in rig.observer.listen().samples[-20:]), "the partition")

@@ -3,7 +3,7 @@
 import signal
 from functools import partial
 
-from hydrohil.faulttest.endings import ended
+from hydrohil.faulttest.endings import run_ended
 from hydrohil.faulttest.loads import requests
 from hydrohil.faulttest.operators import disagreeing, recovered, reset_refused, stopped_by, stopped_while_tripped
 from hydrohil.faulttest.orders import ORDERS, in_start_order, rejoined
@@ -13,7 +13,7 @@ from hydrohil.faulttest.trial import ByTests, Live, Row, Simulated
 
 
 def _ending(words: str, how: signal.Signals, everything: bool) -> Live:
-    return Live(words, partial(ended, how=how, everything=everything), max_trials=3, in_shared_cell=False)
+    return Live(words, partial(run_ended, how=how, everything=everything), max_trials=3, in_shared_cell=False)
 
 
 OPERATOR = (

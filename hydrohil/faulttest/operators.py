@@ -32,7 +32,7 @@ def hop_s(observed: Observation) -> float:
 def stopped_by(rig: Rig, rng: Random, number: int, operators: int) -> Trial:
     """E-stop, pressed by one operator or by several at the same instant, at gate and supervisor."""
     experiment = motion(number)
-    rig.moving(experiment, rng)
+    rig.start_moving(experiment, rng)
     revoked = int(rig.status("plant")["revoked_arming_ids"])
     rig.observer.listen()
     fault_ns = time.monotonic_ns()
@@ -57,7 +57,7 @@ def _press(rig: Rig, operators: int) -> None:
 
 def stopped_while_tripped(rig: Rig, rng: Random, number: int) -> Trial:
     """E-stop after a frozen controller has already led to a trip: it stays safe, and stays so when the controller thaws."""
-    rig.moving(motion(number), rng)
+    rig.start_moving(motion(number), rng)
     revoked, lease_s = int(rig.status("plant")["revoked_arming_ids"]), rig.lease_s()
     victim = rig.processes["controller"]
     fault_ns = time.monotonic_ns()
@@ -72,8 +72,8 @@ def stopped_while_tripped(rig: Rig, rng: Random, number: int) -> Trial:
 def recovered(rig: Rig, rng: Random, number: int) -> Trial:
     """Over-force on the plate, RECOVER held, released, reset: only the unloading sign at low current, zero on release."""
     experiment = PRESS._replace(supervisor=PRESS.supervisor._replace(force_limit_n=TRIP_N))
-    rig.moving(SWING, rng)  # a trial begins at its own pose, so that nothing presses on the tool any more
-    rig.started(experiment, rng.randrange(1 << 32))
+    rig.start_moving(SWING, rng)  # a trial begins at its own pose, so that nothing presses on the tool any more
+    rig.start_trial(experiment, rng.randrange(1 << 32))
     rig.wait_for(lambda: rig.status("supervisor").get("mode") == Mode.TRIPPED.name, "the over-force trip")
     before = rig.observer.listen().ground_truths[-1].body.contact_force_n
     hop = hop_s(rig.observer.listen())
@@ -100,7 +100,7 @@ def _allowed(code: int, sign: int) -> bool:
 
 def reset_refused(rig: Rig, rng: Random, number: int) -> Trial:
     """A reset while the cause stands (the plant is frozen), again and again: refused each time, and it moves nothing."""
-    rig.moving(motion(number), rng)
+    rig.start_moving(motion(number), rng)
     lease_s, victim = rig.lease_s(), rig.processes["plant"]
     victim.send_signal(signal.SIGSTOP)
     rig.observer.listen_for(2.0 * lease_s + REFUSED_S)

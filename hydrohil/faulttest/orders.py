@@ -34,23 +34,23 @@ def in_start_order(rig: Rig, rng: Random, number: int) -> Trial:
 
 
 def _armed(place: cells.Place, started: cells.Processes, order: tuple[str, ...]) -> Trial:
-    complete = time.monotonic()
+    last_start_s = time.monotonic()
     with cells.operator_bus(place) as bus:
         observer = Observer(bus)
         cells.await_ready(place, bus, started)
         load(bus, SWING, 0, "real", unqualified=True)
         arm(bus)
-        seconds = time.monotonic() - complete
+        elapsed_s = time.monotonic() - last_start_s
         observed = observer.listen()
-        present = _comes(bus, "recorder")
+        present = _answers(bus, "recorder")
     unsafe = sum(not safe(sample) for sample in observed.samples)
     dead = [service for service, process in started.items() if process.poll() is not None]
-    words = f"{', '.join(order)}: armed {seconds:.2f} s after the last start, {unsafe} samples with current before"
+    words = f"{', '.join(order)}: armed {elapsed_s:.2f} s after the last start, {unsafe} samples with current before"
     words += "" if present else "; the recorder does not answer"
-    return Trial(not dead and present and unsafe == 0, words + (f"; {', '.join(dead)} ended" if dead else ""), seconds)
+    return Trial(not dead and present and unsafe == 0, words + (f"; {', '.join(dead)} ended" if dead else ""), elapsed_s)
 
 
-def _comes(bus: Bus, service: str) -> bool:
+def _answers(bus: Bus, service: str) -> bool:
     """Whether a service answers in time; the loop does not wait for the recorder, so it may still be starting."""
     deadline = time.monotonic() + PATIENCE_S
     while time.monotonic() < deadline:
@@ -71,6 +71,6 @@ def rejoined(rig: Rig, rng: Random, number: int) -> Trial:
     rig.restart_ended()
     load(rig.bus, SWING, 0, "real", unqualified=True)
     arm(rig.bus)
-    present = _comes(rig.bus, service)
+    present = _answers(rig.bus, service)
     unsafe = sum(not safe(sample) for sample in rig.observer.listen().samples)
     return Trial(present and unsafe == 0, f"{service} started anew: armed again, {unsafe} samples with current")

@@ -113,13 +113,13 @@ def _steps(rows: Columns, spans: Sequence[tuple[int, int]], limit: int) -> Steps
 
 def pressed_live(rig: Rig, rng: Random, number: int) -> Trial:
     """The same with real processes, at a random phase of the force, by the request of `hydrohil set`."""
-    rig.moving(PRESS, rng)
+    rig.start_moving(PRESS, rng)
     return _asked(rig, PRESS, (PRESSING[number % len(PRESSING)],))
 
 
 def switched_live(rig: Rig, rng: Random, _: int) -> Trial:
     """Three laws in turn while the link swings."""
-    rig.moving(SWING, rng)
+    rig.start_moving(SWING, rng)
     laws = [law for law in rng.sample(LAWS, 4) if law != SWING.controller.law][:3]
     return _asked(rig, SWING, [(f"controller.law={law}",) for law in laws])
 
@@ -159,7 +159,7 @@ def _live_steps(observed: Observation, spans: Sequence[tuple[int, int]], limit: 
 
 def refused_live(rig: Rig, rng: Random, _: int) -> Trial:
     """Out of bounds, unknown, of another section, or a limit: each is refused in contact, and nothing changes."""
-    rig.moving(PRESS, rng)
+    rig.start_moving(PRESS, rng)
     before = rig.status("controller")["changed"]
     answers = {text: rig.bus.ask("controller", "parameters", {"set": [text]}, 2.0) for text in REFUSED}
     silent = [text for text, answer in answers.items() if answer is None]

@@ -24,17 +24,17 @@ def period_s(experiment: Experiment) -> float:
 
 def killed(rig: Rig, rng: Random, number: int, service: str) -> Trial:
     """SIGKILL of controller or supervisor; started again, then watched."""
-    return _signalled(rig, rng, number, service, signal.SIGKILL)
+    return _process_fault(rig, rng, number, service, signal.SIGKILL)
 
 
 def frozen(rig: Rig, rng: Random, number: int, service: str) -> Trial:
     """SIGSTOP of controller or supervisor; thawed, then watched."""
-    return _signalled(rig, rng, number, service, signal.SIGSTOP)
+    return _process_fault(rig, rng, number, service, signal.SIGSTOP)
 
 
-def _signalled(rig: Rig, rng: Random, number: int, service: str, how: signal.Signals) -> Trial:
+def _process_fault(rig: Rig, rng: Random, number: int, service: str, how: signal.Signals) -> Trial:
     experiment = motion(number)
-    rig.moving(experiment, rng)
+    rig.start_moving(experiment, rng)
     revoked, lease_s = int(rig.status("plant")["revoked_arming_ids"]), rig.lease_s()
     bound_s = lease_s + period_s(experiment)
     victim = rig.processes[service]
@@ -85,7 +85,7 @@ def confirmed(rig: Rig, trial: Trial, revoked: int, *, tripped: bool) -> Trial:
 def plant_killed(rig: Rig, rng: Random, number: int) -> Trial:
     """SIGKILL of the plant: the supervisor must trip; the plant that returns must stay at zero."""
     experiment = motion(number)
-    rig.moving(experiment, rng)
+    rig.start_moving(experiment, rng)
     bound_s = rig.lease_s() + period_s(experiment)
     victim = rig.processes["plant"]
     rig.observer.listen()
@@ -113,7 +113,7 @@ def plant_frozen(rig: Rig, rng: Random, number: int) -> Trial:
     more than the samples between. A sample that was under way when the plant froze is not counted.
     """
     experiment = motion(number)
-    rig.moving(experiment, rng)
+    rig.start_moving(experiment, rng)
     revoked, lease_s = int(rig.status("plant")["revoked_arming_ids"]), rig.lease_s()
     victim = rig.processes["plant"]
     victim.send_signal(signal.SIGSTOP)

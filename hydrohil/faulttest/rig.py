@@ -132,7 +132,7 @@ class Rig:
         self.processes = cells.start(self.place, SERVICES, with_parent=True, extra=self.extra)
         cells.await_ready(self.place, self.bus, self.processes)
 
-    def started(self, experiment: Experiment, seed: int, clock: str = "real") -> int:
+    def start_trial(self, experiment: Experiment, seed: int, clock: str = "real") -> int:
         """Load, arm and start; the number of the run. Raises CellError."""
         self.reset()
         run = load(self.bus, experiment, seed, clock, unqualified=True).run  # faults are tried on any host
@@ -141,17 +141,17 @@ class Rig:
         self.ask("supervisor", "start")
         return run
 
-    def moving(self, experiment: Experiment, rng: Random) -> None:
+    def start_moving(self, experiment: Experiment, rng: Random) -> None:
         """A trial whose valves move, at a random phase; one that ends before the fault is reported and started again."""
         for _ in range(RETRIES):
             try:
-                return self._moving(experiment, rng)
+                return self._start_moving(experiment, rng)
             except cells.CellError as error:
                 self.restarted(f"started again: {error}")
-        return self._moving(experiment, rng)
+        return self._start_moving(experiment, rng)
 
-    def _moving(self, experiment: Experiment, rng: Random) -> None:
-        self.started(experiment, rng.randrange(1 << 32))
+    def _start_moving(self, experiment: Experiment, rng: Random) -> None:
+        self.start_trial(experiment, rng.randrange(1 << 32))
         self.wait_for(lambda: self._tick() >= 0, "the trial's first tick")
         self.observer.listen_for(SETTLE_S + rng.uniform(0.0, PHASES_S))
         self.wait_for(self._driven, "a valve off zero")

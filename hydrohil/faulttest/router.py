@@ -88,7 +88,7 @@ def router_fault(rig: Rig, rng: Random, number: int, how: signal.Signals) -> Tri
     """SIGKILL or SIGSTOP of the router while the valves move; it returns, then the cell is watched."""
     experiment = motion(number)
     with _routed(rig) as (router, cell):
-        cell.moving(experiment, rng)
+        cell.start_moving(experiment, rng)
         revoked, lease_s = int(cell.status("plant")["revoked_arming_ids"]), cell.lease_s()
         bound_s = lease_s + period_s(experiment)
         cell.observer.listen()
@@ -154,7 +154,7 @@ def late_ns(sample: Received) -> int:
 def mesh_runs_on(rig: Rig, rng: Random, number: int) -> Trial:
     """A router beside the fault test's own cell, which is a mesh, is killed: the trial goes on."""
     with _router(rig) as router:
-        rig.moving(motion(number), rng)
+        rig.start_moving(motion(number), rng)
         fault_ns = time.monotonic_ns()
         router.kill()
         observed = rig.observer.listen_for(WATCHED_S)
