@@ -21,10 +21,11 @@ from soak import growth, resident_bytes
 
 from hydrohil.cell import processes as cells
 from hydrohil.shared.contract.columns import column_names
-from hydrohil.shared.contract.converters import UNIMATE_CONVERTERS, UNIMATE_ENCODERS, UNIMATE_FORCE
+from hydrohil.shared.contract.description import described
 from hydrohil.shared.contract.messages import InboxCounts, LinkStats, PlantDescription
 from hydrohil.shared.contract.topics import TOPICS, Topic
 from hydrohil.shared.host.process import draw_number
+from hydrohil.shared.machine.unimate import UNIMATE
 from hydrohil.shared.transport.bus import Bus
 from hydrohil.shared.units import NS_PER_S
 
@@ -71,11 +72,8 @@ def numbered(body: Any, number: int, period_ns: int) -> Any:
 def describe(period_ns: int) -> PlantDescription:
     """The machine that this process stands for."""
     lease_ns = 20_000_000
-    return PlantDescription(
-        machine="Unimate MKII-2000",
-        encoders=UNIMATE_ENCODERS,
-        force=UNIMATE_FORCE,
-        converters=UNIMATE_CONVERTERS,
+    return described(
+        UNIMATE,
         sample_period_ns=period_ns,
         latch_ns=period_ns * 4 // 5,
         permit_ttl_ns=lease_ns,

@@ -50,6 +50,7 @@ SHARED_ORDER = (
     "cache",
     "draws",
     "compiled",
+    "machine",
     "contract",
     "transport",
     "host",

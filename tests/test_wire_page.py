@@ -12,7 +12,9 @@ from hydrohil.shared.contract import messages
 from hydrohil.shared.contract.codec import WIRE_VERSION, Header, Received, decode, encode
 from hydrohil.shared.contract.messages import NO_TRIAL, Command, ControllerState, Sample
 from hydrohil.shared.contract.topics import ANSWER, ASK, BY_KEY, BY_SCHEMA, TOPICS, expression
+from hydrohil.shared.machine.description import Channel, Drive, Gauge, Geometry, MachineDescription, MotionBounds, machine_id
 from hydrohil.shared.transport.endpoints import LISTENERS
+from tests.support.machines import description
 from tests.support.pages import DOCS, blocks, rows
 
 WIRE = (DOCS / "reference" / "wire.md").read_text()
@@ -47,6 +49,14 @@ def test_the_wire_page_lists_every_field_in_order(topic: Any) -> None:
     section = WIRE[WIRE.index(f"### {topic.key}\n") :]
     names = [name for row in rows(section, "field") for name in field_names(row[0])]
     assert names == list(topic.message._fields)
+
+
+def test_the_wire_page_lists_every_field_of_a_machine_in_order() -> None:
+    names = [name for row in rows(WIRE, "of `machine`") for name in field_names(row[0])]
+    assert names == list(MachineDescription._fields)
+    for kind in (Channel, Drive, Geometry, Gauge, MotionBounds):
+        (row,) = [row for row in rows(WIRE, "array") if row[0] == kind.__name__]
+        assert re.findall(r"(\w+) \((?:str|int|float)", row[1]) == list(kind._fields)
 
 
 @pytest.mark.parametrize("causes", [messages.GateCause, messages.TripCause])
@@ -133,9 +143,18 @@ def test_the_foreign_controller_answers_with_frames_that_the_codec_accepts(still
     answer, thought = read("controller/command", command), read("controller/state", state)
     assert answer.body == Command((2048, 2048, 2048))
     assert isinstance(thought.body, ControllerState) and thought.body.ready == 1
+    assert thought.body.machine_id == 0
     for header in (answer.header, thought.header):
         assert (header.arming_id, header.echo_number, header.echo_time_ns) == (11, 42, 42 * NS_PER_PERIOD)
         assert (header.sender, header.seq) == ("controller", 0)
+
+
+def test_the_foreign_controller_states_the_machine_that_the_plant_describes(still: SimpleNamespace) -> None:
+    controller, key, plant = still.Still(CELL), expression(CELL, "plant/description"), description()
+    header = Header(WIRE_VERSION, BY_KEY["plant/description"].schema, CELL, 0, b"", "plant", 5, 0, 1, -1, 0)
+    controller.learn(encode(key, header, plant))
+    thought = read("controller/state", controller.answer_sample(sample_frame())[1])
+    assert thought.body.machine_id == machine_id(plant.machine_hash) != 0
 
 
 def test_the_foreign_controller_counts_its_frames_on_each_topic(still: SimpleNamespace) -> None:
@@ -191,6 +210,11 @@ def test_the_ports_are_those_of_the_bus() -> None:
 
 
 def test_every_schema_of_the_foreign_controller_is_the_table_s(still: SimpleNamespace) -> None:
-    named = {still.SAMPLE: "plant/sample", still.COMMAND: "controller/command", still.STATE: "controller/state"}
+    named = {
+        still.SAMPLE: "plant/sample",
+        still.COMMAND: "controller/command",
+        still.DESCRIPTION: "plant/description",
+        still.STATE: "controller/state",
+    }
     assert named == {schema: BY_SCHEMA[schema].key for schema in named}
     assert {still.ASK: ASK.key, still.ANSWER: ANSWER.key} == {ASK.schema: ASK.key, ANSWER.schema: ANSWER.key}

@@ -6,14 +6,14 @@ from typing import Literal, get_args
 import numpy as np
 
 from hydrohil.claims.trace import Integers, Reals, Trace
-from hydrohil.shared.contract.converters import UNIMATE_ENCODERS
+from hydrohil.shared.machine.unimate import UNIMATE
 
 ChannelName = Literal["q1", "q2", "q3", "x", "y", "z", "force"]
 JOINTS: tuple[ChannelName, ...] = ("q1", "q2", "q3")
 AXES: tuple[ChannelName, ...] = ("x", "y", "z")
 CHANNELS: tuple[ChannelName, ...] = get_args(ChannelName)
 
-_ROTATE, _DOWN_UP, _OUT_IN, _, _ = UNIMATE_ENCODERS
+_ROTATE, _DOWN_UP, _OUT_IN, _, _ = UNIMATE.encoders
 COUNT_Q = (abs(_ROTATE.scale), abs(_DOWN_UP.scale), abs(_OUT_IN.scale))  # third in m
 NAN = float("nan")  # a window that does not determine a number
 TAIL = 0.1  # the last tenth of a window gives its final value

@@ -8,8 +8,8 @@ import typer
 
 from hydrohil.cli.experiment_commands import experiment_of
 from hydrohil.cli.options import STUDIES, Settings, app, console, fail, failing, make_folders, writing
-from hydrohil.shared.contract.faults import LINKS
 from hydrohil.shared.exit_status import EXIT_USAGE
+from hydrohil.shared.machine.description import LINKS
 
 if TYPE_CHECKING:
     from hydrohil.experiment.experiment import Experiment

@@ -5,7 +5,7 @@ import math
 from rich.console import Console
 from rich.table import Table
 
-from hydrohil.shared.contract.faults import LINKS
+from hydrohil.shared.machine.description import LINKS
 from hydrohil.tuning.bench import Step, rad_per_unit, unit
 from hydrohil.tuning.procedure import LinkTuning
 from hydrohil.tuning.tune import Tuning

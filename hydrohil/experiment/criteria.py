@@ -2,15 +2,11 @@
 
 from hydrohil.services.controller.limit_cycle import LEAST, MOST, least_stable_n_per_m
 from hydrohil.services.controller.parameter_change import RAMP_S
-from hydrohil.services.supervisor.machine import MOVES_DOWN_A, MOVES_UP_A, MOVES_WITHIN_NS
 from hydrohil.services.supervisor.observe_motion import SMOOTHING_S
 
 __all__ = [
     "LEAST",
     "MOST",
-    "MOVES_DOWN_A",
-    "MOVES_UP_A",
-    "MOVES_WITHIN_NS",
     "RAMP_S",
     "SMOOTHING_S",
     "least_stable_n_per_m",

@@ -5,10 +5,10 @@ from collections.abc import Iterable, Sequence
 from typing import Any, NamedTuple
 
 from hydrohil.shared.contract.assignments import nearest
-from hydrohil.shared.contract.faults import LINKS
 from hydrohil.shared.contract.link_units import written_location, written_name
 from hydrohil.shared.contract.schema import child, field_names
 from hydrohil.shared.errors import HydrohilError
+from hydrohil.shared.machine.description import LINKS
 
 _UNIT_WORDS = {
     **dict.fromkeys(("m", "m2", "m3", "s", "s2", "kg", "rad", "rad2", "deg"), ""),

@@ -23,6 +23,7 @@ from hydrohil.services.plant.config import PlantConfig, latch_substeps, trial_ti
 from hydrohil.services.plant.params import contact_params
 from hydrohil.services.supervisor.config import SupervisorConfig
 from hydrohil.shared.contract.assignments import put
+from hydrohil.shared.contract.configured_machine import geometry
 from hydrohil.shared.contract.faults import Fault, trial_problems
 from hydrohil.shared.contract.link_units import as_fields, plain_of
 from hydrohil.shared.units import SUBSTEP_NS
@@ -153,8 +154,8 @@ def _section_problems(experiment: Experiment) -> list[str]:
     checks: tuple[Callable[[], object], ...] = (
         lambda: latch_substeps(plant),
         lambda: contact_params(plant.environment),
-        lambda: check(experiment.controller, experiment.reference, plant.initial_q, plant.machine.q4_rad, met),
-        lambda: _check_changes(experiment, met),
+        lambda: _check_controllers(experiment, (experiment.controller,), met),
+        lambda: _check_controllers(experiment, _acting(experiment)[1:], met),
     )
     for agrees in checks:
         try:
@@ -164,11 +165,12 @@ def _section_problems(experiment: Experiment) -> list[str]:
     return found
 
 
-def _check_changes(experiment: Experiment, met: ContactEnvironment) -> None:
-    """Raise ValueError where a change may not be, or leads to a configuration that could not be loaded."""
+def _check_controllers(experiment: Experiment, configs: Sequence[ControllerConfig], met: ContactEnvironment) -> None:
+    """Raise ValueError where one of these configurations could not be loaded with the rest of the experiment."""
     plant = experiment.plant
-    for config in _acting(experiment)[1:]:
-        check(config, experiment.reference, plant.initial_q, plant.machine.q4_rad, met)
+    lengths = geometry(to_plain(plant.machine))
+    for config in configs:
+        check(config, experiment.reference, plant.initial_q, plant.machine.q4_rad, met, geometry=lengths)
 
 
 def _acting(experiment: Experiment) -> tuple[ControllerConfig, ...]:

@@ -63,7 +63,7 @@ def _at_rest() -> tuple[Observed, Limits]:
         time_ns=0,
         tick=NO_TRIAL,
         trial_time_ns=0,
-        encoder_counts=tuple(round((0.0 - c.offset) / c.scale) for c in description.encoders),
+        encoder_counts=tuple(round((0.0 - c.offset) / c.scale) for c in description.machine.encoders),
         force_counts=10,
         dac_counts=ZERO,
         gate=0,

@@ -14,12 +14,13 @@ from hydrohil.faulttest.processes import WATCHED_S, confirmed, judged, period_s
 from hydrohil.faulttest.rig import Rig
 from hydrohil.faulttest.simulations import Bools, ended, limit_trial
 from hydrohil.faulttest.trial import Trial
-from hydrohil.shared.contract.converters import N_PER_FORCE_COUNT
 from hydrohil.shared.contract.messages import NO_TRIAL, Mode, TripCause
+from hydrohil.shared.machine.unimate import UNIMATE
 from hydrohil.simulation.columns import Columns
 from hydrohil.simulation.rollout import play_local
 from hydrohil.thesis.chapter5 import TIP_Z_M, sampled
 
+FORCE_N_PER_COUNT = UNIMATE.force.scale
 PLATE_N_PER_M = 57.6e3  # the stiffest that the thesis measured with its gauge
 BELOW_M = 0.12  # from the start to the plate: the link is at full speed when it hits
 STEP_RAD = 0.35
@@ -53,18 +54,18 @@ PUSH = IMPACT._replace(
 def pushed_beyond_limit(seed: int) -> Trial:
     """From the first sample above the supervisor's limit of 334 N."""
     limit_n = PUSH.supervisor.force_limit_n
-    return limit_trial(seed, PUSH, lambda rows: rows.force_counts * N_PER_FORCE_COUNT > limit_n + bias_n(rows), _two_periods)
+    return limit_trial(seed, PUSH, lambda rows: rows.force_counts * FORCE_N_PER_COUNT > limit_n + bias_n(rows), _two_periods)
 
 
 def bias_n(rows: Columns) -> float:
     """Mean force while the valves are shut before the trial."""
-    return float(rows.force_counts[rows.tick < 0].mean()) * N_PER_FORCE_COUNT
+    return float(rows.force_counts[rows.tick < 0].mean()) * FORCE_N_PER_COUNT
 
 
 def cut_by_the_gate(seed: int) -> Trial:
     """From the first sample above the gate's own limit, which here lies below the supervisor's."""
     limits = GateLimits(force_limit_n=GATE_N)
-    return limit_trial(seed, PUSH, lambda rows: rows.force_counts * N_PER_FORCE_COUNT > GATE_N, _one_period, limits)
+    return limit_trial(seed, PUSH, lambda rows: rows.force_counts * FORCE_N_PER_COUNT > GATE_N, _one_period, limits)
 
 
 def force_rate(seed: int) -> Trial:
@@ -88,7 +89,7 @@ def long_contact(seed: int) -> Trial:
 
 def _to_the_end_above(rows: Columns) -> Bools:
     """Where the force is above the level and stays there until the trial ends."""
-    above = rows.force_counts * N_PER_FORCE_COUNT - bias_n(rows) > LEVEL_N
+    above = rows.force_counts * FORCE_N_PER_COUNT - bias_n(rows) > LEVEL_N
     return np.cumprod(above[::-1])[::-1].astype(np.bool_)
 
 
@@ -133,8 +134,8 @@ def impact_live(rig: Rig, rng: Random, number: int) -> Trial:
     observed = rig.observer.listen_for(WATCHED_S)
     limit_n = IMPACT.supervisor.force_limit_n
     before = [m.body.force_counts for m in observed.samples if NO_TRIAL < m.body.tick < 0]
-    bias = N_PER_FORCE_COUNT * sum(before) / max(1, len(before))
-    above = [m for m in observed.samples if m.body.tick >= 0 and m.body.force_counts * N_PER_FORCE_COUNT - bias > limit_n]
+    bias = FORCE_N_PER_COUNT * sum(before) / max(1, len(before))
+    above = [m for m in observed.samples if m.body.tick >= 0 and m.body.force_counts * FORCE_N_PER_COUNT - bias > limit_n]
     began_ns = next(m.arrival_ns for m in observed.samples if m.body.tick != NO_TRIAL)  # before, the tool may still be in contact
     peak_n = max(m.body.contact_force_n for m in since(observed.ground_truths, began_ns))
     peak = f"peak {peak_n:.0f} N, overshoot {peak_n - limit_n:.0f} N"

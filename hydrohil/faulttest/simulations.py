@@ -8,7 +8,6 @@ from typing import NamedTuple
 import numpy as np
 import numpy.typing as npt
 
-from hydrohil.experiment.criteria import MOVES_DOWN_A, MOVES_UP_A, MOVES_WITHIN_NS
 from hydrohil.experiment.experiment import Experiment
 from hydrohil.experiment.sections import GateLimits
 from hydrohil.faulttest.motions import PRESS, SWING
@@ -16,6 +15,7 @@ from hydrohil.faulttest.trial import Trial
 from hydrohil.shared.contract.converters import ZERO_CODE, code_to_current
 from hydrohil.shared.contract.faults import Fault, ticks_of
 from hydrohil.shared.contract.messages import GateCause, Mode, TripCause
+from hydrohil.shared.machine.unimate import UNIMATE
 from hydrohil.shared.trips.causes import trip_words
 from hydrohil.shared.units import NS_PER_S, SUBSTEP_S
 from hydrohil.simulation.columns import Columns
@@ -25,7 +25,7 @@ from hydrohil.simulation.tips import tips_m
 PLAYED_S = 6.0
 FIRST_S, LAST_S = 1.5, 3.5  # the fault begins between these
 LINK = 1  # down/up, which swings
-MOVES_WITHIN_S = MOVES_WITHIN_NS / NS_PER_S
+MOVES_WITHIN_S = UNIMATE.motion.moves_within_ns / NS_PER_S
 MOTIONS = {"swing": SWING, "press": PRESS}
 
 
@@ -90,9 +90,9 @@ def immobile_trial(seed: int, kind: str, target: str, value: float) -> Trial:
 def undriven_since(rows: Columns, end: int) -> int:
     """The first row from which up to `end` a current stands that must move link 2, while the link does not move with it."""
     sign = 1 if rows.dac_counts[end - 1, LINK] > ZERO_CODE else -1
-    must_a = MOVES_UP_A[LINK] if sign > 0 else MOVES_DOWN_A[LINK]
+    must_a = UNIMATE.motion.moves_up_a[LINK] if sign > 0 else UNIMATE.motion.moves_down_a[LINK]
     row = end
-    while row > 0 and sign * code_to_current(int(rows.dac_counts[row - 1, LINK])) >= must_a:
+    while row > 0 and sign * code_to_current(UNIMATE.drive, int(rows.dac_counts[row - 1, LINK])) >= must_a:
         if sign * (rows.q[row, LINK] - rows.q[row - 1, LINK]) > 0.0:
             break
         row -= 1

@@ -9,13 +9,14 @@ from numpy.typing import NDArray
 from hydrohil.claims.study import Curve, Panel
 from hydrohil.pages.drawing import svg
 from hydrohil.pages.panels import Picture
-from hydrohil.shared.contract.converters import N_PER_FORCE_COUNT, UNIMATE_CONVERTERS, ZERO_CODE
+from hydrohil.shared.contract.converters import ZERO_CODE
+from hydrohil.shared.machine.description import LINK_TITLES
+from hydrohil.shared.machine.unimate import UNIMATE
 from hydrohil.shared.trips import formatting
 from hydrohil.shared.trips.report import Document
 from hydrohil.shared.trips.tables import GROUND_TRUTH, PERMIT, SAMPLE, STATE, Table, row_of
 from hydrohil.shared.units import NS_PER_S
 
-_LINKS = ("rotate", "down/up", "out/in")
 _AXES = ("x", "y", "z")
 _X = "time since the trip in s"
 _STYLE = (
@@ -87,7 +88,7 @@ def _scaled(table: Table, name: str, factor: float, zero_row: int | None = None)
 def _forces(signals: Any) -> list[tuple[str, Table, Reals | None]]:
     samples, state, ground_truth, permits = (signals.get(topic, {}) for topic in (SAMPLE, STATE, GROUND_TRUTH, PERMIT))
     return [
-        ("raw reading", samples, _scaled(samples, "force_counts", N_PER_FORCE_COUNT)),
+        ("raw reading", samples, _scaled(samples, "force_counts", UNIMATE.force.scale)),
         ("tared", state, _column(state, "force_n")),
         ("true contact", ground_truth, _column(ground_truth, "contact_force_n")),
         ("supervisor's limit", permits, _column(permits, "force_limit_n")),
@@ -105,12 +106,12 @@ def _joints(signals: Any, number: int) -> list[tuple[str, Table, Reals | None]]:
     at, factors = row_of(state, number), (np.rad2deg(1.0), np.rad2deg(1.0), 1e2)
     if at is None:
         return []
-    return [(link, state, _scaled(state, f"q[{k}]", float(factors[k]), at)) for k, link in enumerate(_LINKS)]
+    return [(link, state, _scaled(state, f"q[{k}]", float(factors[k]), at)) for k, link in enumerate(LINK_TITLES)]
 
 
 def _valves(signals: Any) -> list[tuple[str, Table, Reals | None]]:
     samples, found = signals.get(SAMPLE, {}), []
-    for k, (link, converter) in enumerate(zip(_LINKS, UNIMATE_CONVERTERS, strict=True)):
+    for k, (link, converter) in enumerate(zip(LINK_TITLES, UNIMATE.converters, strict=True)):
         codes = _column(samples, f"dac_counts[{k}]")
         found.append((link, samples, None if codes is None else (codes - ZERO_CODE) * converter.scale * 1e3))
     return found

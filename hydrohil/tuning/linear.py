@@ -6,15 +6,15 @@ import numpy as np
 
 from hydrohil.claims.signals import JOINTS, count_size
 from hydrohil.experiment.sections import LinkGains
-from hydrohil.shared.contract.converters import COUNTS_PER_A
-from hydrohil.shared.contract.faults import LINKS
 from hydrohil.shared.contract.link_units import written_name
+from hydrohil.shared.machine.description import LINKS
+from hydrohil.shared.machine.unimate import UNIMATE
 from hydrohil.tuning import measure
 from hydrohil.tuning.bench import Bench, Step, a_per_printed, play, rad_per_unit, rings_on, unit, worst_ringing, yes
 from hydrohil.tuning.patterns import pattern
 from hydrohil.tuning.search import Found, Tried, largest
 
-FULL_CURRENT_A = 2048 / COUNTS_PER_A  # where the program's control saturates
+FULL_CURRENT_A = 2048 / UNIMATE.drive.counts_per_a  # where the program's control saturates
 FIRST_SHARE = 0.25  # the first K_P commands full current at this share of the large pattern
 FIRST_RATE_PER_S = 0.1  # the first K_I over K_P: an integral that takes 10 s for what the error does at once
 FACTOR = math.sqrt(2.0)

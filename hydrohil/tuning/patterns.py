@@ -5,7 +5,7 @@ from typing import Literal, NamedTuple
 from hydrohil.claims.signals import JOINTS
 from hydrohil.experiment.experiment import Experiment
 from hydrohil.experiment.sections import ActingLinks, AdaptationConfig, Environment, ImpedanceConfig, LinkGains, Segment
-from hydrohil.shared.contract.faults import LINKS
+from hydrohil.shared.machine.description import LINKS
 from hydrohil.shared.units import RAD_PER_DEG
 from hydrohil.thesis.chapter4 import TRAJECTORIES, Trajectory
 from hydrohil.thesis.chapter4 import Pattern as PatternName

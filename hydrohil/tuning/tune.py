@@ -10,10 +10,10 @@ from hydrohil.experiment.experiment import Experiment
 from hydrohil.experiment.sections import LinkGains
 from hydrohil.shared.compiled.kernel import source_version
 from hydrohil.shared.contract.assignments import nearest
-from hydrohil.shared.contract.faults import LINKS
 from hydrohil.shared.contract.link_units import written_name
 from hydrohil.shared.errors import UnknownNameError
 from hydrohil.shared.exit_status import EXIT_CLAIM, EXIT_OK
+from hydrohil.shared.machine.description import LINKS
 from hydrohil.simulation.rollout import rollout
 from hydrohil.tuning.bench import Bench, Criteria, Step
 from hydrohil.tuning.compare import Compared, compare, reference

@@ -17,7 +17,7 @@ from hydrohil.services.controller.impedance import ImpedanceState, impedance_ste
 from hydrohil.services.controller.kinematics import along_axis
 from hydrohil.services.controller.params import ADAPT_LIMIT_SWITCH, ADAPT_NONE, ADAPT_OFFSET, AdaptationParams, ImpedanceParams
 from hydrohil.shared.compiled.kernel import kernel
-from hydrohil.shared.contract.pose import Triple
+from hydrohil.shared.machine.description import Triple
 
 LEAST_SHARE = 0.1  # of the target stiffness: it leaves a third of the damping, and a spring that brings the model back
 

@@ -9,7 +9,7 @@ interval, so the acceleration is constant and the solution exact; a step of x_d 
 from hydrohil.services.controller.impedance import ImpedanceState
 from hydrohil.services.controller.params import ImpedanceParams
 from hydrohil.shared.compiled.kernel import kernel
-from hydrohil.shared.contract.pose import Triple
+from hydrohil.shared.machine.description import Triple
 
 
 @kernel

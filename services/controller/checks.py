@@ -18,7 +18,8 @@ from hydrohil.services.controller.config import (
 from hydrohil.services.controller.contact_environment import ContactEnvironment, resting_m
 from hydrohil.services.controller.kinematics import clamp_joints, inverse
 from hydrohil.services.controller.reference import CHANNELS, reference_deltas
-from hydrohil.shared.contract.pose import UNIMATE_GEOMETRY, Triple, forward
+from hydrohil.shared.contract.pose import forward
+from hydrohil.shared.machine.description import LINK_TITLES, LINK_UNITS, Geometry, Triple
 
 READS = {  # channels of a target
     "joint": CHANNELS[:3],
@@ -29,22 +30,34 @@ READS = {  # channels of a target
 JOINT_CHANNELS = CHANNELS[:3]
 CHECK_STEP_S = 0.01  # travel is checked at 100 Hz: references of a machine that follows 1 Hz
 CHECKED_AT_ONCE = 25  # points of a reference: a fraction of a millisecond, so that a loop that runs can check beside it
-LINKS = ("rotate", "down/up", "out/in")
 
 
 def check(
-    config: ControllerConfig, reference: Reference, q0: Triple, pitch_rad: float = 0.0, met: ContactEnvironment | None = None
+    config: ControllerConfig,
+    reference: Reference,
+    q0: Triple,
+    pitch_rad: float = 0.0,
+    met: ContactEnvironment | None = None,
+    *,
+    geometry: Geometry,
 ) -> None:
     """Raise ValueError, one line, for a configuration whose fields are each valid but do not fit together.
 
-    Where it is known what the tool meets, the force set-point must not take it out of the travel either.
+    Travel is that of the machine with this `geometry`. Where it is known what the tool meets, the force set-point must not
+    take it out of that either.
     """
-    for _ in examine(config, reference, q0, pitch_rad, met):
+    for _ in examine(config, reference, q0, pitch_rad, met, geometry=geometry):
         pass
 
 
 def examine(
-    config: ControllerConfig, reference: Reference, q0: Triple, pitch_rad: float = 0.0, met: ContactEnvironment | None = None
+    config: ControllerConfig,
+    reference: Reference,
+    q0: Triple,
+    pitch_rad: float = 0.0,
+    met: ContactEnvironment | None = None,
+    *,
+    geometry: Geometry,
 ) -> Iterator[None]:
     """`check` in steps, each short enough to be taken between two samples; raises as `check` does."""
     impedance = config.impedance
@@ -70,9 +83,9 @@ def examine(
         check_segment(segment, config.target, f"reference segment {index} ({segment.channel}, {segment.kind})")
     if not all(map(math.isfinite, (*q0, pitch_rad))):
         raise ValueError(f"plant: the start pose {q0} (rad, rad, m) is not finite; give numbers")
-    check_travel(config.target, reference, q0, pitch_rad)
+    check_travel(geometry, config.target, reference, q0, pitch_rad)
     if met is not None and config.target == "impedance":
-        yield from check_push(config.impedance, reference, q0, pitch_rad, met)
+        yield from check_push(geometry, config.impedance, reference, q0, pitch_rad, met)
 
 
 def check_measured(config: ControllerConfig) -> None:
@@ -129,39 +142,44 @@ def check_segment(segment: Segment, target: str, name: str) -> None:
 
 
 @lru_cache(maxsize=64)
-def check_travel(target: str, reference: Reference, q0: Triple, pitch_rad: float) -> None:
+def check_travel(geometry: Geometry, target: str, reference: Reference, q0: Triple, pitch_rad: float) -> None:
     """Raise ValueError where the reference, before any force acts, leaves the travel of a link.
 
     It samples all of the reference, and thousands of trials share one: what was found right is remembered.
     """
     table = segment_table(reference)
-    x0_m = forward(UNIMATE_GEOMETRY, q0, pitch_rad)
+    x0_m = forward(geometry, q0, pitch_rad)
     for time_s in check_times(reference):
         deltas = reference_deltas(table, time_s)
         if target == "joint":
-            _, clamped = clamp_joints(UNIMATE_GEOMETRY, (q0[0] + deltas[0], q0[1] + deltas[1], q0[2] + deltas[2]))
+            _, clamped = clamp_joints(geometry, (q0[0] + deltas[0], q0[1] + deltas[1], q0[2] + deltas[2]))
         else:
-            _, clamped = inverse(UNIMATE_GEOMETRY, (x0_m[0] + deltas[3], x0_m[1] + deltas[4], x0_m[2] + deltas[5]), pitch_rad)
+            _, clamped = inverse(geometry, (x0_m[0] + deltas[3], x0_m[1] + deltas[4], x0_m[2] + deltas[5]), pitch_rad)
         if clamped:
-            raise ValueError(f"reference leaves the travel of {clamped_links(clamped)} at {time_s:.2f} s")
+            raise ValueError(f"reference leaves the travel of {clamped_links(geometry, clamped)} at {time_s:.2f} s")
 
 
 def check_push(
-    impedance: ImpedanceConfig, reference: Reference, q0: Triple, pitch_rad: float, met: ContactEnvironment
+    geometry: Geometry,
+    impedance: ImpedanceConfig,
+    reference: Reference,
+    q0: Triple,
+    pitch_rad: float,
+    met: ContactEnvironment,
 ) -> Iterator[None]:
     """Raise ValueError where the force set-point, held, would take the tool out of the travel of a link; in steps."""
     table, k = segment_table(reference), impedance.stiffness_n_per_m
-    x0_m, axis = forward(UNIMATE_GEOMETRY, q0, pitch_rad), met.force_axis
+    x0_m, axis = forward(geometry, q0, pitch_rad), met.force_axis
     gain = impedance_params(impedance, axis, met.force_sign).force_gain
     for number, time_s in enumerate(check_times(reference), 1):
         deltas = reference_deltas(table, time_s)
         x_m = [x0_m[i] + deltas[3 + i] for i in range(3)]
         x_m[axis] = resting_m(met, x0_m[axis], x_m[axis], gain * deltas[6], k)
-        _, clamped = inverse(UNIMATE_GEOMETRY, (x_m[0], x_m[1], x_m[2]), pitch_rad)
+        _, clamped = inverse(geometry, (x_m[0], x_m[1], x_m[2]), pitch_rad)
         if clamped:
             raise ValueError(
                 f"force set-point {gain * deltas[6]:.4g} N on {k:g} N/m takes the tool beyond the travel of "
-                f"{clamped_links(clamped)} at {time_s:.2f} s; lower it or stiffen the target"
+                f"{clamped_links(geometry, clamped)} at {time_s:.2f} s; lower it or stiffen the target"
             )
         if number % CHECKED_AT_ONCE == 0:
             yield
@@ -176,12 +194,12 @@ def check_times(reference: Reference) -> tuple[float, ...]:
     return tuple(sorted(ends | grid))
 
 
-def clamped_links(mask: int) -> str:
+def clamped_links(geometry: Geometry, mask: int) -> str:
     """Links of a clamp mask and where their travel ends, e.g. 'down/up (high, 0.471 rad)'."""
-    ends = zip(UNIMATE_GEOMETRY.low_q, UNIMATE_GEOMETRY.high_q, strict=True)
+    ends = zip(geometry.low_q, geometry.high_q, strict=True)
     limits = [  # in the order of the mask's bits
         f"{link} ({side}, {value:.3g} {unit})"
-        for link, unit, both in zip(LINKS, ("rad", "rad", "m"), ends, strict=True)
+        for link, unit, both in zip(LINK_TITLES, LINK_UNITS, ends, strict=True)
         for side, value in zip(("low", "high"), both, strict=True)
     ]
     names = [limit for bit, limit in enumerate(limits) if mask >> bit & 1]

@@ -40,7 +40,7 @@ from hydrohil.services.controller.params import (
 from hydrohil.services.controller.reference import CHANNELS, KINDS, Row
 from hydrohil.shared.contract.converters import calibration
 from hydrohil.shared.contract.messages import PlantDescription
-from hydrohil.shared.contract.pose import UNIMATE_GEOMETRY
+from hydrohil.shared.machine.description import machine_id
 from hydrohil.shared.units import A_PER_MA
 
 LAWS = {
@@ -201,7 +201,7 @@ def setpoint_scaling_params(config: ImpedanceConfig) -> SetpointScalingParams:
 
 
 def controller_params(config: ControllerConfig, description: PlantDescription, first_tick: int) -> ControllerParams:
-    """Kernel parameters for the machine that `about` describes; the trial begins at the negative `first_tick` (0: none)."""
+    """Kernel parameters for the machine that `description` describes; the trial begins at the negative `first_tick` (0: none)."""
     recover, acting, gains, target = config.recover_current_a, config.acting, config.gains, config.target
     return ControllerParams(
         law=LAWS[config.law],
@@ -213,8 +213,10 @@ def controller_params(config: ControllerConfig, description: PlantDescription, f
         force_noise_n=float(config.impedance.force_noise_n) if config.impedance.force_filter == "bounded" else math.inf,
         adaptation=adaptation_params(config.adaptation),
         apparent=setpoint_scaling_params(config.impedance),
-        geometry=UNIMATE_GEOMETRY,
-        calibration=calibration(description.encoders, description.force),
+        machine_id=machine_id(description.machine_hash),
+        geometry=description.machine.geometry,
+        calibration=calibration(description.machine.encoders, description.machine.force),
+        drive=description.machine.drive,
         sample_period_ns=description.sample_period_ns,
         first_tick=first_tick,
         slew_codes=config.slew_codes,

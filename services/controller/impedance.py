@@ -9,7 +9,7 @@ from typing import NamedTuple
 
 from hydrohil.services.controller.params import ImpedanceParams
 from hydrohil.shared.compiled.kernel import kernel
-from hydrohil.shared.contract.pose import Triple
+from hydrohil.shared.machine.description import Triple
 
 CRITICAL = 1e-8  # wd dt below which damping is critical: the three solutions then agree to one part in 1e16
 

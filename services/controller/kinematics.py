@@ -6,7 +6,8 @@ Appendix A prints z and theta_2 with wrong signs; these are the program's, which
 import math
 
 from hydrohil.shared.compiled.kernel import kernel
-from hydrohil.shared.contract.pose import Geometry, Triple, bounded_angle, wrist
+from hydrohil.shared.contract.pose import bounded_angle, wrist
+from hydrohil.shared.machine.description import Geometry, Triple
 
 CLAMPED_LOW = (1, 4, 16)  # bits of the mask: link 1, 2, 3 at its lower limit
 CLAMPED_HIGH = (2, 8, 32)

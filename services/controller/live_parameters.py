@@ -12,7 +12,7 @@ from hydrohil.services.controller.parameter_schedule import ParameterSchedule, a
 from hydrohil.services.controller.preflight import preflight
 from hydrohil.shared.contract.assignments import text_of
 from hydrohil.shared.contract.messages import NO_TRIAL, ParameterEvent
-from hydrohil.shared.contract.pose import Triple
+from hydrohil.shared.machine.description import Geometry, Triple
 from hydrohil.shared.transport.requests import Request
 
 _REMEMBERED = 256
@@ -26,6 +26,7 @@ class Loaded(NamedTuple):
     q0: Triple
     pitch_rad: float
     met: ContactEnvironment
+    geometry: Geometry
     lockstep: bool
 
 
@@ -67,9 +68,9 @@ class Parameters:
             after = assigned(self.schedule.target, assignments)
         except ValueError as error:
             return request.refuse(str(error))
-        _, reference, q0, pitch_rad, met, _ = self.loaded
+        _, reference, q0, pitch_rad, met, geometry, _ = self.loaded
         pushed = met if after.impedance != self.schedule.target.impedance else None  # else the load has found its push right
-        self._wanted = Wanted(request, after, examine(after, reference, q0, pitch_rad, pushed))
+        self._wanted = Wanted(request, after, examine(after, reference, q0, pitch_rad, pushed, geometry=geometry))
         self.busy = True
         return None
 

@@ -13,8 +13,8 @@ from hydrohil.services.controller.config import ControllerConfig
 from hydrohil.services.controller.step import ControlMemory, Handover
 from hydrohil.shared.contract.assignments import parsed, put
 from hydrohil.shared.contract.envelope import checked
-from hydrohil.shared.contract.faults import LINKS
 from hydrohil.shared.contract.link_units import plain_of, written_location
+from hydrohil.shared.machine.description import LINKS
 from hydrohil.shared.units import NS_PER_S
 
 RAMP_S = 0.5  # longer than the loop takes to settle (0.2 s), shorter than an operator waits

@@ -7,11 +7,12 @@ from typing import Annotated, NamedTuple
 
 from annotated_types import Ge, Gt
 
-from hydrohil.shared.contract.converters import COUNTS_PER_A, MAX_CODE, MIN_CODE, Calibration
-from hydrohil.shared.contract.pose import Geometry, Triple
+from hydrohil.shared.contract.converters import Calibration
+from hydrohil.shared.machine.description import Drive, Geometry, Triple
+from hydrohil.shared.machine.unimate import UNIMATE
 from hydrohil.shared.units import A_PER_MA, A_PER_RAD_PER_MA_PER_DEG, RAD_PER_DEG
 
-A_PER_COUNT = 1.0 / COUNTS_PER_A  # the program's thresholds are in counts, 2048 of them are 360 mA
+A_PER_COUNT = 1.0 / UNIMATE.drive.counts_per_a  # the program's thresholds are in counts, 2048 of them are 360 mA
 SQUARE_RAD_PER_DEG = RAD_PER_DEG * RAD_PER_DEG
 
 LAW_PI, LAW_MORSE, LAW_DEADBAND, LAW_HYSTERESIS, LAW_VETIA, LAW_FINAL = 0, 1, 2, 3, 4, 5
@@ -20,7 +21,7 @@ TARGET_JOINT, TARGET_CARTESIAN, TARGET_IMPEDANCE, TARGET_EXPLICIT = 0, 1, 2, 3
 FORMULATION_SETPOINT, FORMULATION_MEASURED = 0, 1
 ADAPT_NONE, ADAPT_STIFFNESS, ADAPT_OFFSET, ADAPT_LIMIT_SWITCH = 0, 1, 2, 3
 
-FULL_SLEW_CODES = MAX_CODE - MIN_CODE  # the thesis limits nothing: full swing in one sample
+FULL_SLEW_CODES = UNIMATE.converters[0].high - UNIMATE.converters[0].low  # the thesis limits nothing: full swing in one sample
 TIGHT_SLEW_CODES = 100  # 29 mA, inside the valve's overlap of 36 mA
 TIGHT_SAMPLES = 20  # until the regression has seen only the running law
 
@@ -144,8 +145,10 @@ class ControllerParams(NamedTuple):
     force_noise_n: float  # how far the low-pass may be off the reading
     adaptation: AdaptationParams
     apparent: SetpointScalingParams
+    machine_id: int  # of the machine that all of this is for
     geometry: Geometry
     calibration: Calibration
+    drive: Drive
     sample_period_ns: int  # nominal; only fills the regression before the first samples
     first_tick: int  # of the trial, negative: the force bias is averaged from here to tick 0; 0 = no trial loaded
     slew_codes: int  # per sample, against the code last accepted

@@ -6,7 +6,7 @@ v = sum (t - mean t) (q - q_newest) / sum (t - mean t)^2  with the samples' true
 from typing import NamedTuple
 
 from hydrohil.shared.compiled.kernel import kernel
-from hydrohil.shared.contract.pose import Triple
+from hydrohil.shared.machine.description import Triple
 from hydrohil.shared.units import NS_PER_S
 
 POINTS = 20  # Appendix B: smooth enough, and short enough to detect stiction quickly

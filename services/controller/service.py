@@ -14,11 +14,12 @@ from hydrohil.services.controller.parameter_schedule import ParameterSchedule, s
 from hydrohil.services.controller.preflight import preflight
 from hydrohil.services.controller.step import control_start, control_step
 from hydrohil.shared.contract.codec import Received, encode
+from hydrohil.shared.contract.configured_machine import geometry
 from hydrohil.shared.contract.envelope import Envelope, checked, section
-from hydrohil.shared.contract.faults import LINKS
 from hydrohil.shared.contract.messages import NO_TRIAL, Command, GateState, PlantDescription, Sample, SampleDropped
 from hydrohil.shared.host.process import options_of, parser, serve
 from hydrohil.shared.host.two_phase_load import Checked, TwoPhaseLoad
+from hydrohil.shared.machine.description import LINKS
 from hydrohil.shared.transport.bus import Bus
 from hydrohil.shared.transport.impairment_queue import ImpairedSample
 from hydrohil.shared.transport.link_stats import due, link_stats, nonzero_counts
@@ -161,12 +162,15 @@ class Controller:
             q0 = tuple(plant["initial_q"][link] for link in LINKS)
             changes = checked(envelope.experiment.get("changes", []), "changes", Changes)
             waiting = scheduled(config, changes, plant["sample_period_substeps"] * SUBSTEP_NS) if changes else ()
+            lengths = geometry(plant["machine"])
             acting = (config, *(after for _, after in waiting))
             for one in acting:
-                check(one, reference, q0, pitch_rad, met)
+                check(one, reference, q0, pitch_rad, met, geometry=lengths)
         except (LookupError, TypeError, ArithmeticError) as error:  # [plant] is read as it came
             raise ValueError(str(error)) from error
-        loaded = Loaded(ParameterSchedule(config, waiting), reference, q0, pitch_rad, met, envelope.clock == "lockstep")
+        loaded = Loaded(
+            ParameterSchedule(config, waiting), reference, q0, pitch_rad, met, lengths, lockstep=envelope.clock == "lockstep"
+        )
         return Checked(loaded, {"warnings": list(dict.fromkeys(line for one in acting for line in preflight(one, met)))})
 
     def _take(self, envelope: Envelope, loaded: Loaded) -> None:
@@ -187,6 +191,8 @@ class Controller:
             "by_hand": [event._asdict() for event in self.parameters.by_hand],
             "answered": self.answered,
             "warmed_up": self.warmed_up,
+            "machine": "" if self.description is None else self.description.machine.name,
+            "machine_hash": "" if self.description is None else self.description.machine_hash.hex(),
             "experiment": self.bus.run.experiment.hex(),
             "run": self.bus.run.run,
             "link_stats": nonzero_counts(self._inboxes),

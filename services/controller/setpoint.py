@@ -20,7 +20,8 @@ from hydrohil.services.controller.setpoint_scaling import Offset, withhold
 from hydrohil.services.controller.trial import Trial
 from hydrohil.shared.compiled.kernel import kernel
 from hydrohil.shared.contract.messages import NO_TRIAL
-from hydrohil.shared.contract.pose import Triple, forward
+from hydrohil.shared.contract.pose import forward
+from hydrohil.shared.machine.description import Triple
 
 READY_COUNTS = 2.0 + 1e-6  # the reference may start two counts from the pose; the rest is rounding
 

@@ -12,7 +12,7 @@ from typing import NamedTuple
 
 from hydrohil.services.controller.params import SetpointScalingParams
 from hydrohil.shared.compiled.kernel import kernel
-from hydrohil.shared.contract.pose import Triple
+from hydrohil.shared.machine.description import Triple
 
 
 class Offset(NamedTuple):

@@ -19,9 +19,10 @@ from hydrohil.services.controller.setpoint import Seen, Setpoints, judge_ready, 
 from hydrohil.services.controller.setpoint_scaling import Offset
 from hydrohil.services.controller.trial import Trial, advance, follows, runs
 from hydrohil.shared.compiled.kernel import kernel
-from hydrohil.shared.contract.converters import ZERO_CODE, code_to_current, current_to_code
+from hydrohil.shared.contract.converters import code_to_current, current_to_code
 from hydrohil.shared.contract.messages import NO_TRIAL, ControllerState, GateState, Sample
-from hydrohil.shared.contract.pose import Triple, forward, joint_positions
+from hydrohil.shared.contract.pose import forward, joint_positions
+from hydrohil.shared.machine.description import Drive, Triple
 from hydrohil.shared.units import NS_PER_S
 
 GATE_RECOVERING = int(GateState.RECOVERING)
@@ -29,7 +30,6 @@ BEFORE_START_S = -1.0  # reference time outside a trial: no segment has begun
 
 Codes = tuple[int, int, int]
 Laws = tuple[LinkLawState, LinkLawState, LinkLawState]
-STOPPED = (ZERO_CODE, ZERO_CODE, ZERO_CODE)
 LAWS_AT_REST = (AT_REST, AT_REST, AT_REST)
 
 
@@ -118,11 +118,11 @@ def tare(params: ControllerParams, counts: int, before: tuple[int, int], filtere
 
 
 @kernel
-def slewed_code(current_a: float, accepted: int, limit: int) -> int:
+def slewed_code(drive: Drive, current_a: float, accepted: int, limit: int) -> int:
     """Code for `current_a`, at most `limit` from the code that the gate last accepted; at once zero if it is not finite."""
     if not abs(current_a) < math.inf:
-        return ZERO_CODE
-    code = current_to_code(current_a)
+        return drive.zero_code
+    code = current_to_code(drive, current_a)
     if code > accepted + limit:
         return accepted + limit
     if code < accepted - limit:
@@ -138,14 +138,15 @@ def shaped_codes(params: ControllerParams, current_a: Triple, sample: Sample, ti
         limit = params.tight_slew_codes
     accepted = sample.dac_counts
     return (
-        slewed_code(current_a[0], accepted[0], limit),
-        slewed_code(current_a[1], accepted[1], limit),
-        slewed_code(current_a[2], accepted[2], limit),
+        slewed_code(params.drive, current_a[0], accepted[0], limit),
+        slewed_code(params.drive, current_a[1], accepted[1], limit),
+        slewed_code(params.drive, current_a[2], accepted[2], limit),
     )
 
 
 @kernel
 def link_step(
+    drive: Drive,
     acting: int,
     takes_over: int,
     held_code: int,
@@ -166,7 +167,7 @@ def link_step(
     if acting == 0:
         return AT_REST, 0.0, 0
     if takes_over != 0:
-        held_a = code_to_current(held_code)
+        held_a = code_to_current(drive, held_code)
         return take_over(state, gains, law, q, q_set, qd_set, load_tau, held_a), held_a, 0
     state, current_a, boosted = law_step(state, gains, law, q, q_set, qd, qd_set, dt_s)
     return state, current_a + load_feedforward(gains, law, load_tau), boosted
@@ -188,13 +189,13 @@ def apply_laws(
     """Answer of the three links' position laws."""
     gains, law, on, new, held = params.gains, params.law, params.acting, handover.links, sample.dac_counts
     law_1, u_1, boosted_1 = link_step(
-        on[0], new & 1, held[0], laws[0], gains[0], law, q[0], q_set[0], qd[0], qd_set[0], load_tau[0], dt_s
+        params.drive, on[0], new & 1, held[0], laws[0], gains[0], law, q[0], q_set[0], qd[0], qd_set[0], load_tau[0], dt_s
     )
     law_2, u_2, boosted_2 = link_step(
-        on[1], new & 2, held[1], laws[1], gains[1], law, q[1], q_set[1], qd[1], qd_set[1], load_tau[1], dt_s
+        params.drive, on[1], new & 2, held[1], laws[1], gains[1], law, q[1], q_set[1], qd[1], qd_set[1], load_tau[1], dt_s
     )
     law_3, u_3, boosted_3 = link_step(
-        on[2], new & 4, held[2], laws[2], gains[2], law, q[2], q_set[2], qd[2], qd_set[2], load_tau[2], dt_s
+        params.drive, on[2], new & 4, held[2], laws[2], gains[2], law, q[2], q_set[2], qd[2], qd_set[2], load_tau[2], dt_s
     )
     current_a, boosted = (u_1, u_2, u_3), (boosted_1, boosted_2, boosted_3)
     return Actuation((law_1, law_2, law_3), current_a, boosted, shaped_codes(params, current_a, sample, handover.tight_until))
@@ -204,7 +205,8 @@ def apply_laws(
 def unload(params: ControllerParams, sample: Sample) -> Actuation:
     """Constant low current with the signs that a recovering gate allows; nothing from any other gate."""
     if sample.gate != GATE_RECOVERING:
-        return Actuation(LAWS_AT_REST, (0.0, 0.0, 0.0), (0, 0, 0), STOPPED)
+        zero = params.drive.zero_code
+        return Actuation(LAWS_AT_REST, (0.0, 0.0, 0.0), (0, 0, 0), (zero, zero, zero))
     u, signs = params.recover_current_a, sample.recover_signs
     current_a = (u[0] * signs[0], u[1] * signs[1], u[2] * signs[2])
     return Actuation(LAWS_AT_REST, current_a, (0, 0, 0), shaped_codes(params, current_a, sample, NOTHING_CHANGED.tight_until))
@@ -262,6 +264,7 @@ def control_step(
         boosted=made.boosted,
         clamped=wanted.clamped,
         ready=ready,
+        machine_id=params.machine_id,
         compute_ns=0,
     )
     force_counts = (sample.force_counts, memory.force_counts[0])

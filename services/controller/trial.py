@@ -5,7 +5,7 @@ from typing import NamedTuple
 from hydrohil.services.controller.regression import POINTS
 from hydrohil.shared.compiled.kernel import kernel
 from hydrohil.shared.contract.messages import NO_TRIAL, GateState, Sample
-from hydrohil.shared.contract.pose import Triple
+from hydrohil.shared.machine.description import Triple
 
 GATE_SHUT, GATE_OPEN = int(GateState.SHUT), int(GateState.OPEN)
 

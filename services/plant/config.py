@@ -5,8 +5,12 @@ from typing import Annotated, NamedTuple
 from annotated_types import Ge, Gt, Interval
 
 from hydrohil.services.plant.params import UNIMATE, Environment, MachineParams
+from hydrohil.shared.machine import unimate
 from hydrohil.shared.transport.protection import FAULTS_PER_S
-from hydrohil.shared.units import NS_PER_S, RAD_PER_DEG, SUBSTEP_NS
+from hydrohil.shared.units import NS_PER_S, SUBSTEP_NS
+
+DESCRIPTION = unimate.UNIMATE
+TRAVEL = DESCRIPTION.geometry
 
 _LATCH_LIMIT_SUBSTEPS = 80  # 4 ms: the thesis' program wrote its outputs about 4 ms after reading the encoders
 
@@ -14,14 +18,15 @@ _LATCH_LIMIT_SUBSTEPS = 80  # 4 ms: the thesis' program wrote its outputs about 
 class StartPosition(NamedTuple):
     """Where the links stand at the start, rad, rad and m."""
 
-    rotate: Annotated[float, Interval(ge=-110 * RAD_PER_DEG, le=110 * RAD_PER_DEG)] = 0.0
-    down_up: Annotated[float, Interval(ge=-30 * RAD_PER_DEG, le=27 * RAD_PER_DEG)] = 0.0
-    out_in: Annotated[float, Interval(ge=0.0, le=1.04)] = 0.212
+    rotate: Annotated[float, Interval(ge=TRAVEL.low_q[0], le=TRAVEL.high_q[0])] = 0.0
+    down_up: Annotated[float, Interval(ge=TRAVEL.low_q[1], le=TRAVEL.high_q[1])] = 0.0
+    out_in: Annotated[float, Interval(ge=TRAVEL.low_q[2], le=TRAVEL.high_q[2])] = 0.212
 
 
 class PlantConfig(NamedTuple):
     """Section [plant] of an experiment: the emulated machine, what it touches, where it starts, how it is sampled."""
 
+    machine_name: str = DESCRIPTION.name  # whose channels, bounds and limits hold
     machine: MachineParams = UNIMATE
     environment: Environment = Environment()
     initial_q: StartPosition = StartPosition()
@@ -37,14 +42,14 @@ class GateLimits(NamedTuple):
     permit_ttl_ns: Annotated[int, Gt(0)] = 20_000_000  # lease of industrial arms
     command_ttl_ns: Annotated[int, Gt(0)] = 20_000_000
     force_limit_n: Annotated[float, Gt(0)] = 420.0  # raw; above supervisor limit 334 + bias 60 + noise 10 N
-    min_code: int = 820
-    max_code: int = 3276
+    min_code: int = DESCRIPTION.converters[0].low
+    max_code: int = DESCRIPTION.converters[0].high
     slew_codes: Annotated[int, Gt(0)] = 2456  # full range: the laws of the thesis command full swing in one sample
     tight_slew_codes: Annotated[int, Gt(0)] = 100  # 29 mA, inside the valve's overlap of 36 mA
     tight_samples: Annotated[int, Ge(0)] = 20  # after the gate opens
     recover_codes: Annotated[int, Gt(0)] = 700  # 205 mA: above the worst break-away (176 mA, link 3 in)
     min_force_counts: int = 0  # the gauge reads one direction
-    max_force_counts: int = 518  # 700 N, end of the gauge's range: there it is saturated
+    max_force_counts: int = int(DESCRIPTION.gauge.range_n / DESCRIPTION.force.scale)  # 518: saturated beyond
     faults_per_s: Annotated[int, Ge(0)] = FAULTS_PER_S
 
 

@@ -29,9 +29,8 @@ from hydrohil.services.plant.faults import (
 )
 from hydrohil.services.plant.machine import MachineState, contact_force
 from hydrohil.services.plant.params import ContactParams, MachineParams
-from hydrohil.services.plant.sensors import MASK, amplified_counts, encoder_counts, gauge_n
+from hydrohil.services.plant.sensors import MASK, MAX_FORCE_COUNTS, MIN_FORCE_COUNTS, amplified_counts, encoder_counts, gauge_n
 from hydrohil.shared.compiled.kernel import kernel
-from hydrohil.shared.contract.converters import MAX_FORCE_COUNTS, MIN_FORCE_COUNTS
 
 FORCE_CODES = MAX_FORCE_COUNTS - MIN_FORCE_COUNTS + 1
 

@@ -11,8 +11,8 @@ from hydrohil.services.plant.gate import GateInput, GateMemory, gate_step
 from hydrohil.services.plant.ledger import Ledger
 from hydrohil.services.plant.mailbox import Mailbox
 from hydrohil.shared.contract.codec import Received
-from hydrohil.shared.contract.converters import N_PER_FORCE_COUNT
 from hydrohil.shared.contract.messages import NO_COMMAND, NO_TRIAL, GateCause, GateEvent, Mode
+from hydrohil.shared.machine.unimate import UNIMATE
 from hydrohil.shared.transport.bus import Bus, same_run
 from hydrohil.shared.transport.impairment_queue import FOREVER_NS
 from hydrohil.shared.transport.inbox import Inbox
@@ -201,7 +201,7 @@ class Gatekeeper:
             permit=self._mailbox.observe_permit(now_ns),
             command=self._mailbox.observe_command(now_ns),
             force_counts=self._force_counts,
-            force_n=self._force_counts * N_PER_FORCE_COUNT,
+            force_n=self._force_counts * UNIMATE.force.scale,
             tick=self._timeline.tick,
             estop=self._estop,
             overrun=overrun,

@@ -82,17 +82,18 @@ def chamber_step(
 ) -> tuple[float, float]:
     """Pressures of both chambers after a step, never below zero; `ends_pa` are supply and return.
 
-    Pa' = beta / Va (Qa - Cl (Pa - Pb) + Cn (Ps - 2 Pa + Pr) - D v),  Va = V0 + D (q - q_low)
-    Pb' = beta / Vb (Qb + Cl (Pa - Pb) + Cn (Ps - 2 Pb + Pr) + D v),  Vb = V0 + D (q_high - q)
+    Pa' = beta / Va (Qa - Cl (Pa - Pb) + Cn (Ps - 2 Pa + Pr) - D v),    Va = V0 + D (q - q_low)
+    Pb' = beta / Vb (Qb + Cl (Pa - Pb) + Cn (Ps - 2 Pb + Pr) + r D v),  Vb = V0 + r D (q_high - q),  r = Db / Da
     """
     a_pa, b_pa = state.pressure_a_pa, state.pressure_b_pa
     displacement = link.displacement_m3_per_q
     leak = link.cross_leak_m3_per_s_pa * (a_pa - b_pa)
     swept = displacement * state.qd
+    rod_side = link.area_ratio * displacement
     ends = ends_pa[0] + ends_pa[1]
     into_a = flows_m3_per_s[0] - leak + link.null_leak_m3_per_s_pa * (ends - 2.0 * a_pa) - swept
-    into_b = flows_m3_per_s[1] + leak + link.null_leak_m3_per_s_pa * (ends - 2.0 * b_pa) + swept
+    into_b = flows_m3_per_s[1] + leak + link.null_leak_m3_per_s_pa * (ends - 2.0 * b_pa) + link.area_ratio * swept
     stiffness = step_s * link.bulk_modulus_pa
     a_pa += stiffness * into_a / (link.dead_volume_m3 + displacement * (state.q - link.travel_low_q))
-    b_pa += stiffness * into_b / (link.dead_volume_m3 + displacement * (link.travel_high_q - state.q))
+    b_pa += stiffness * into_b / (link.dead_volume_m3 + rod_side * (link.travel_high_q - state.q))
     return pushing_only(a_pa), pushing_only(b_pa)

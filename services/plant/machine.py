@@ -19,9 +19,12 @@ from hydrohil.services.plant.params import AXIS_X, ContactParams, LinkParams, Ma
 from hydrohil.services.plant.sensors import encoder_counts, gauge_counts
 from hydrohil.shared.compiled.kernel import kernel
 from hydrohil.shared.contract.converters import code_to_current
-from hydrohil.shared.contract.faults import LINKS
 from hydrohil.shared.contract.messages import GroundTruth, LinkCounts
+from hydrohil.shared.machine.description import LINKS
+from hydrohil.shared.machine.unimate import UNIMATE
 from hydrohil.shared.units import SUBSTEP_S
+
+DRIVE = UNIMATE.drive
 
 
 class MachineState(NamedTuple):
@@ -73,7 +76,8 @@ def link_step(
     gain = link.flow_gain_m3_per_s_sqrt_pa * port_area(link, spool_a)
     flows = port_flows(gain, (state.pressure_a_pa, state.pressure_b_pa), ends_pa, machine.root_smoothing_pa)
     a_pa, b_pa = chamber_step(link, state, flows, ends_pa, step_s)
-    drive_tau = link.displacement_m3_per_q * (a_pa - b_pa) - link.viscous_tau_s_per_q * state.qd + load_tau
+    pressed_tau = link.displacement_m3_per_q * (a_pa - link.area_ratio * b_pa)
+    drive_tau = pressed_tau - link.viscous_tau_s_per_q * state.qd + load_tau
     limit_tau = friction_limit(link, state.qd)
     speed = slide(state.qd, inertia_tau_s2_per_q, drive_tau, limit_tau, step_s)
     return LinkState(state.q + step_s * speed, speed, spool_a, a_pa, b_pa)
@@ -145,7 +149,7 @@ def advance(
     state: MachineState, machine: MachineParams, contact: ContactParams, codes: LinkCounts, substeps: int
 ) -> MachineState:
     """The machine `substeps` of 50 us later, the D/A holding `codes`."""
-    currents_a = (code_to_current(codes[0]), code_to_current(codes[1]), code_to_current(codes[2]))
+    currents_a = (code_to_current(DRIVE, codes[0]), code_to_current(DRIVE, codes[1]), code_to_current(DRIVE, codes[2]))
     return advance_by(state, machine, contact, currents_a, substeps, SUBSTEP_S)
 
 
@@ -206,9 +210,10 @@ def ground_truth(state: MachineState, machine: MachineParams, contact: ContactPa
 
 
 def balanced_pressures(machine: MachineParams, link: LinkParams, load_tau: float) -> tuple[float, float]:
-    """Chamber pressures about the middle of supply and return that carry `load_tau`:  D (Pa - Pb) + tau = 0."""
+    """Chamber pressures that carry `load_tau`:  D (Pa - r Pb) + tau = 0,  Pa + Pb = Ps + Pr;  r = Db / Da."""
     middle_pa = (machine.supply_pressure_pa + machine.return_pressure_pa) / 2.0
-    half_pa = -load_tau / link.displacement_m3_per_q / 2.0
+    ratio = link.area_ratio
+    half_pa = (-load_tau / link.displacement_m3_per_q - middle_pa * (1.0 - ratio)) / (1.0 + ratio)
     low_pa, high_pa = machine.return_pressure_pa, machine.supply_pressure_pa
     return within(middle_pa + half_pa, low_pa, high_pa), within(middle_pa - half_pa, low_pa, high_pa)
 

@@ -11,11 +11,12 @@ from hydrohil.shared.exit_status import EXIT_TRANSPORT
 from hydrohil.shared.host.lease import MAX_LEASE_NS, MEASURED_S, LeaseChoice
 from hydrohil.shared.host.process import Options, options_of, parser, serve
 from hydrohil.shared.host.wakeups import Probe
+from hydrohil.shared.machine.unimate import UNIMATE
 from hydrohil.shared.transport.bus import Bus
 from hydrohil.shared.units import SUBSTEP_NS
 
 _NS_PER_MS = 1_000_000
-GAUGE_RANGE_N = 700.0
+GAUGE_RANGE_N = UNIMATE.gauge.range_n
 
 
 def main(arguments: list[str] | None = None) -> int:

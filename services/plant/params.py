@@ -1,4 +1,4 @@
-"""What the Unimate MKII-2000 is: every number of the plant, in SI, with its source; and what it pushes against.
+"""What an emulated hydraulic arm is, in SI, and what it pushes against; the Unimate MKII-2000 with the source of every number.
 
 The suffixes `q` (rad, or m for link 3) and `tau` (N m, or N for link 3) are those of `shared/units.py`.
 """
@@ -8,6 +8,7 @@ from typing import Annotated, Literal, NamedTuple
 
 from annotated_types import Ge, Gt, Le, Lt
 
+from hydrohil.shared.machine import unimate
 from hydrohil.shared.units import A_PER_MA, GRAVITY_M_PER_S2, RAD_PER_DEG
 
 PA_PER_KPA = 1e3
@@ -18,12 +19,14 @@ Positive = Annotated[float, Gt(0.0), Lt(math.inf)]
 NotNegative = Annotated[float, Ge(0.0), Lt(math.inf)]
 Finite = Annotated[float, Gt(-math.inf), Lt(math.inf)]
 
+GEOMETRY, GAUGE = unimate.UNIMATE.geometry, unimate.UNIMATE.gauge  # where its default is what a controller knows of it
+
 AXIS_X, AXIS_Z = 0, 2
 FREE, PLATE, CRATE = 0, 1, 2
 
 
 class LinkParams(NamedTuple):
-    """Servo valve, double-acting actuator of equal areas (thesis 3.2.1) and friction of one link."""
+    """Servo valve, double-acting actuator and friction of one link."""
 
     displacement_m3_per_q: Positive  # assumed: sets the stall torque; for link 3 the piston area in m2
     dead_volume_m3: Positive  # each side, assumed: ports and hoses; never zero at the ends of travel
@@ -41,6 +44,7 @@ class LinkParams(NamedTuple):
     viscous_tau_s_per_q: NotNegative  # assumed
     travel_low_q: Finite  # program of Appendix F
     travel_high_q: Finite  # program of Appendix F
+    area_ratio: Annotated[float, Ge(0.1), Le(10.0)] = 1.0  # area of chamber B / of A, Db / Da: equal areas (thesis 3.2.1)
 
 
 class MachineParams(NamedTuple):
@@ -49,7 +53,7 @@ class MachineParams(NamedTuple):
     rotate: LinkParams
     down_up: LinkParams
     out_in: LinkParams
-    supply_pressure_pa: Annotated[float, Ge(6500.0 * PA_PER_KPA), Le(7500.0 * PA_PER_KPA)] = 7000.0 * PA_PER_KPA  # +-500 kPa
+    supply_pressure_pa: Annotated[float, Gt(0.0), Le(35.0 * PA_PER_MPA)] = 7000.0 * PA_PER_KPA  # a machine has its own band
     return_pressure_pa: NotNegative = 0.0  # assumed
     root_smoothing_pa: Positive = 20.0 * PA_PER_KPA  # numerics: the orifice is laminar below this drop
     boom_mass_kg: Positive = 45.0  # assumed: what link 3 moves
@@ -57,17 +61,17 @@ class MachineParams(NamedTuple):
     inertia_rotate_kg_m2: Positive = 250.0  # assumed, without the arm: 361 kg m2 in all at 1 m
     inertia_down_up_kg_m2: Positive = 107.0  # assumed, without the boom: 111 kg m2 in all at 1 m
     counterbalance_kg_m: Finite = 7.8  # identified: leaves 56 N m at 1 m and 421 N m fully out, both down
-    a2_m: Finite = 0.13  # Appendix F
-    a4_m: Finite = 0.5  # Appendix F: length of the tool
+    a2_m: Finite = GEOMETRY.offset_m
+    a4_m: Finite = GEOMETRY.hand_m  # length of the tool
     q4_rad: Finite = 0.0  # assumed: tool straight down
-    d3_offset_m: Finite = 0.788  # Appendix F
-    sensor_stiffness_n_per_m: Positive = 46_000.0  # Appendix E
-    sensor_damping_ns_per_m: NotNegative = 600.0  # assumed: a loose gripper, damping ratio 0.17 with the crate
+    d3_offset_m: Finite = GEOMETRY.retracted_m
+    sensor_stiffness_n_per_m: Positive = GAUGE.stiffness_n_per_m
+    sensor_damping_ns_per_m: NotNegative = GAUGE.damping_ns_per_m  # assumed: a loose gripper, damping ratio 0.17 with the crate
     force_bias_n: Finite = 30.0  # assumed: what the gauge reads unloaded, to be tared
     force_noise_sigma_n: NotNegative = 5.0  # thesis: +-10 N peak
-    force_noise_clip_n: NotNegative = 10.0
+    force_noise_clip_n: NotNegative = GAUGE.noise_n
     force_low_n: Finite = 0.0  # thesis: range of the gauge's amplifier
-    force_high_n: Finite = 700.0
+    force_high_n: Finite = GAUGE.range_n
 
 
 UNIMATE = MachineParams(
@@ -86,8 +90,8 @@ UNIMATE = MachineParams(
         breakaway_tau=450.0,
         stribeck_q_per_s=1.0 * RAD_PER_DEG,
         viscous_tau_s_per_q=1500.0,
-        travel_low_q=-110.0 * RAD_PER_DEG,
-        travel_high_q=110.0 * RAD_PER_DEG,
+        travel_low_q=GEOMETRY.low_q[0],
+        travel_high_q=GEOMETRY.high_q[0],
     ),
     down_up=LinkParams(
         displacement_m3_per_q=0.64 * M3_PER_L,  # stalls at 4.5 kN m
@@ -104,8 +108,8 @@ UNIMATE = MachineParams(
         breakaway_tau=470.0,
         stribeck_q_per_s=1.0 * RAD_PER_DEG,
         viscous_tau_s_per_q=700.0,
-        travel_low_q=-30.0 * RAD_PER_DEG,
-        travel_high_q=27.0 * RAD_PER_DEG,
+        travel_low_q=GEOMETRY.low_q[1],
+        travel_high_q=GEOMETRY.high_q[1],
     ),
     out_in=LinkParams(
         displacement_m3_per_q=1.4e-3,  # m2; stalls at 9.8 kN
@@ -122,8 +126,8 @@ UNIMATE = MachineParams(
         breakaway_tau=1300.0,
         stribeck_q_per_s=0.010,
         viscous_tau_s_per_q=900.0,
-        travel_low_q=0.0,
-        travel_high_q=1.04,
+        travel_low_q=GEOMETRY.low_q[2],
+        travel_high_q=GEOMETRY.high_q[2],
     ),
 )
 

@@ -4,12 +4,13 @@ import math
 
 from hydrohil.services.plant.params import MachineParams
 from hydrohil.shared.compiled.kernel import kernel
-from hydrohil.shared.contract.converters import MAX_FORCE_COUNTS, MIN_FORCE_COUNTS, UNIMATE_ENCODERS, UNIMATE_FORCE
+from hydrohil.shared.machine.unimate import UNIMATE
 
-SCALE = tuple(channel.scale for channel in UNIMATE_ENCODERS)
-OFFSET = tuple(channel.offset for channel in UNIMATE_ENCODERS)
-MASK = tuple((1 << channel.bits) - 1 for channel in UNIMATE_ENCODERS)
-N_PER_COUNT = UNIMATE_FORCE.scale
+SCALE = tuple(channel.scale for channel in UNIMATE.encoders)
+OFFSET = tuple(channel.offset for channel in UNIMATE.encoders)
+MASK = tuple((1 << channel.bits) - 1 for channel in UNIMATE.encoders)
+N_PER_COUNT = UNIMATE.force.scale
+MIN_FORCE_COUNTS, MAX_FORCE_COUNTS = UNIMATE.force.low, UNIMATE.force.high
 COUNTS_LIMIT = 1e9  # beyond it, or not a number: nothing that a counter holds
 ROLL_COUNT = 0  # the program reads this channel and uses it nowhere
 

@@ -48,6 +48,7 @@ class Recorder:
         self._printed_failure = ""
         self._flushed_ns = self._checked_ns = 0
         self._force_axis: int | None = None
+        self._machine_hash = b""  # in the open recording
         self._trips = Trips(cell, trips)
         self._trip_documents: list[str] = []  # of the open recording
         self._flush_ns = FLUSH_NS if live is None else FLUSH_LIVE_NS
@@ -98,8 +99,10 @@ class Recorder:
         recording = Recording(path, title, force_axis)
         recording.describe("rig", cell=self._cell)
         recording.describe("qualification", **properties(qualified))
+        self._machine_hash = b""
         self._writer.flush(everything=True)
         self._recording, self._force_axis = recording, force_axis
+        self._name_machine()
         self._links.begin_recording()
         self._writer.begin_recording()
         self._trip_documents = []
@@ -182,6 +185,14 @@ class Recorder:
         if self._recording is not None and force_axis != self._force_axis:
             self._force_axis = force_axis
             self._recording.set_layout(force_axis)
+        self._name_machine()
+
+    def _name_machine(self) -> None:
+        """Name and hash of the machine, as a property of the recording; the last, where another one was loaded meanwhile."""
+        plant = self._writer.description
+        if self._recording is not None and plant is not None and plant.machine_hash != self._machine_hash:
+            self._machine_hash = plant.machine_hash
+            self._recording.describe("machine", machine=plant.machine.name, hash=plant.machine_hash.hex())
 
     def _begin_next_part(self) -> None:
         """Go on in another file before the index of this one fills memory."""

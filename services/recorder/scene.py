@@ -7,12 +7,13 @@ from numpy.typing import NDArray
 
 from hydrohil.services.recorder.rows import Rows, Times, selected
 from hydrohil.shared.contract.columns import Matrix
-from hydrohil.shared.contract.converters import UNIMATE_ENCODERS
-from hydrohil.shared.contract.messages import Channel, PlantDescription
+from hydrohil.shared.contract.messages import PlantDescription
+from hydrohil.shared.machine.description import LINKS, Channel
+from hydrohil.shared.machine.unimate import UNIMATE
 
 SCENE_PERIOD_NS = 20_000_000  # 50 poses a second are smooth to the eye
 ARROW_M_PER_N = 0.0015  # 100 N are 0.15 m
-JOINTS = ("rotate", "down_up", "out_in", "pitch")  # of arm.urdf; encoder channels of these names move it
+JOINTS = (*LINKS, "pitch")  # of arm.urdf; encoder channels of these names move it
 DEFAULT_PERIOD_NS = 4_500_000
 DEFAULT_AXIS, DEFAULT_SIGN = 2, 1.0  # gauge vertical, the plate pushes up
 
@@ -22,7 +23,7 @@ TIP, PATH, TARGET, NOMINAL, FORCE = "scene/tip", "scene/path", "scene/target", "
 class Machine(NamedTuple):
     """The part of the plant's description that the scene needs."""
 
-    encoders: tuple[Channel, ...] = UNIMATE_ENCODERS
+    encoders: tuple[Channel, ...] = UNIMATE.encoders
     period_ns: int = DEFAULT_PERIOD_NS
     force_axis: int = DEFAULT_AXIS
     force_sign: float = DEFAULT_SIGN
@@ -32,7 +33,7 @@ def machine(description: PlantDescription | None) -> Machine:
     """The machine that `plant/description` describes; the Unimate until it has come."""
     if description is None:
         return Machine()
-    return Machine(description.encoders, description.sample_period_ns, description.force_axis, description.force_sign)
+    return Machine(description.machine.encoders, description.sample_period_ns, description.force_axis, description.force_sign)
 
 
 def shown_rows(times: Times, period_ns: int) -> NDArray[np.bool_]:

@@ -7,6 +7,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from hydrohil.shared.contract.messages import ControllerState, GateCause, GateState, GroundTruth, Mode, Permit, Sample, TripCause
+from hydrohil.shared.machine.description import LINKS
 
 GREY, GREEN, AMBER, RED, BLUE, DIM = 0x6B7280FF, 0x2FA866FF, 0xE0A030FF, 0xD64545FF, 0x3F7FD0FF, 0x30343CFF
 
@@ -44,7 +45,6 @@ def _flag(on: str, off: str, color: int) -> dict[int, Label]:
     return {0: Label(off, DIM), 1: Label(on, color)}
 
 
-_LINKS = ("rotate", "down_up", "out_in")
 _MODES = {Mode.ARMED: BLUE, Mode.RUNNING: GREEN, Mode.TRIPPED: RED, Mode.RECOVER: AMBER}
 _GATES = {GateState.OPEN: GREEN, GateState.REVOKED: RED, GateState.RECOVERING: AMBER}
 
@@ -61,12 +61,12 @@ STATE_TIMELINES: dict[type, tuple[StateTimeline, ...]] = {
         StateTimeline("state/5_envelope", "envelope", "clamped", _flag("clamped", "free", AMBER)),
         *(
             StateTimeline(f"state/6_boost_{n}", f"boost {n}", f"boosted[{i}]", _flag("boost", "off", BLUE))
-            for i, n in enumerate(_LINKS)
+            for i, n in enumerate(LINKS)
         ),
     ),
     GroundTruth: tuple(
         StateTimeline(f"state/7_stuck_{n}", f"stuck {n}", f"sticking[{i}]", _flag("stuck", "sliding", AMBER))
-        for i, n in enumerate(_LINKS)
+        for i, n in enumerate(LINKS)
     ),
 }
 

@@ -7,8 +7,9 @@ import rerun as rr
 
 from hydrohil.services.recorder.state_timeline import STATE_TIMELINES
 from hydrohil.shared.contract.columns import Figure, figures
-from hydrohil.shared.contract.converters import UNIMATE_CONVERTERS
-from hydrohil.shared.contract.messages import Channel, ControllerState, GroundTruth, Permit, Sample
+from hydrohil.shared.contract.messages import ControllerState, GroundTruth, Permit, Sample
+from hydrohil.shared.machine.description import Channel
+from hydrohil.shared.machine.unimate import UNIMATE
 
 ROTATE, DOWN_UP, OUT_IN = 0x5B9BFFFF, 0x4FC878FF, 0xFFA24AFF
 MEASURED, MEAN, SET, NOMINAL, LIMIT = 0x4C78A8FF, 0x62D0FFFF, 0xF2F2F2FF, 0x9A8CFFFF, 0xE05050FF
@@ -68,13 +69,13 @@ def style_of(figure: Figure) -> Style:
     return Style(names, (colors * count)[:count], (widths * count)[:count], figure.stepped)
 
 
-def styles(converters: tuple[Channel, ...] = UNIMATE_CONVERTERS) -> dict[str, Style]:
+def styles(converters: tuple[Channel, ...] = UNIMATE.converters) -> dict[str, Style]:
     """Every figure's style by entity."""
     every = [figure for message in (Sample, ControllerState, GroundTruth, Permit) for figure in figures(message, converters)]
     return {figure.entity: style_of(figure) for figure in every} | PLAIN
 
 
-def log_styles(stream: rr.RecordingStream, converters: tuple[Channel, ...] = UNIMATE_CONVERTERS) -> None:
+def log_styles(stream: rr.RecordingStream, converters: tuple[Channel, ...] = UNIMATE.converters) -> None:
     """Write names and colours of curves and states, once for the whole recording."""
     for entity, style in styles(converters).items():
         mode = "StepAfter" if style.stepped else None

@@ -11,8 +11,8 @@ from hydrohil.services.recorder.sample_index import IndexedSample
 from hydrohil.services.recorder.state_timeline import changes, state_timelines
 from hydrohil.shared.contract.codec import Received
 from hydrohil.shared.contract.columns import MS, Matrix, column_names, figure_values, figures, flat_rows
-from hydrohil.shared.contract.converters import UNIMATE_CONVERTERS
 from hydrohil.shared.contract.messages import Command, ControllerState, GateEvent, PlantDescription, Sample
+from hydrohil.shared.machine.unimate import UNIMATE
 from hydrohil.shared.trips.events import gate_event
 
 ANSWER_LATENCY = "figure/latency/answer"
@@ -58,7 +58,7 @@ class TopicRows:
         self.name_columns(entity, names)
         self._emit(Rows(entity, "scalars", times, matrix))
         self._write_states(message, names, matrix, times)
-        converters = description.converters if description else UNIMATE_CONVERTERS
+        converters = (description.machine if description else UNIMATE).converters
         for figure in figures(message, converters):
             values = figure_values(figure, names, matrix)
             if values is not None:

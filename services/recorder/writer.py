@@ -175,8 +175,10 @@ class Writer:
 
 def machine_document(description: PlantDescription) -> str:
     """The plant's description in Markdown."""
-    lines = "\n".join(f"| {field} | {value} |" for field, value in description._asdict().items() if not isinstance(value, tuple))
-    channels = [*description.encoders, description.force, *description.converters]
+    machine = description.machine
+    values = description._asdict() | {"machine": machine.name, "machine_hash": description.machine_hash.hex()}
+    lines = "\n".join(f"| {field} | {value} |" for field, value in values.items())
+    channels = [*machine.encoders, machine.force, *machine.converters]
     table = "\n".join(f"| {c.name} | {c.scale:g} {c.unit} | {c.offset:g} | {c.bits} | {c.low} .. {c.high} |" for c in channels)
     tables = f"| | |\n|-|-|\n{lines}", f"| channel | per count | offset | bits | counts |\n|-|-|-|-|-|\n{table}"
-    return "\n\n".join((f"## {description.machine}", *tables))
+    return "\n\n".join((f"## {machine.title}", *tables))

@@ -8,11 +8,12 @@ from hydrohil.services.supervisor.observe import LinkHealth
 from hydrohil.services.supervisor.params import supervisor_params
 from hydrohil.services.supervisor.prearm_checks import Declared, prearm_problem
 from hydrohil.services.supervisor.state import SupervisorParams
-from hydrohil.shared.contract.codec import Received
+from hydrohil.shared.contract.codec import Header, Received
 from hydrohil.shared.contract.envelope import Envelope, section
 from hydrohil.shared.contract.messages import NO_COMMAND, PlantDescription
 from hydrohil.shared.host.qualified import Standing, beyond, plain
 from hydrohil.shared.host.two_phase_load import Checked
+from hydrohil.shared.machine.description import machine_id
 from hydrohil.shared.transport.bus import Bus, same_run
 from hydrohil.shared.transport.protection import worst
 
@@ -34,6 +35,8 @@ class CellView:
         self.states = bus.subscribe("controller/state")
         self.inboxes = (self.samples, self.states, self.descriptions)
         self.description: PlantDescription | None = None
+        self.described: Header | None = None  # of the newest description
+        self.machine_id = 0  # of the machine in it
         self.sample: Received | None = None
         self.controller: Received | None = None  # its newest state
         self.envelope: Envelope | None = None
@@ -56,15 +59,17 @@ class CellView:
     def receive(self) -> None:
         """Take the newest description and the newest state of the controller."""
         for message in self.descriptions.take():
-            self.describe(message.body)
+            self.describe(message)
         for message in self.states.take():
             self.controller = message
             self.states.acceptance.other_run += not same_run(message.header, self._bus.run)
 
-    def describe(self, description: PlantDescription) -> None:
+    def describe(self, message: Received) -> None:
         """The plant describes itself; parameters follow if that is new."""
-        if description != self.description:
-            self.description = description
+        self.described = message.header
+        if message.body != self.description:
+            self.description = message.body
+            self.machine_id = machine_id(message.body.machine_hash)
             self._prepare()
 
     def sampled(self, message: Received) -> None:
@@ -116,6 +121,9 @@ class CellView:
                 run=self._bus.run,
                 plant=message.header,
                 controller=None if self.controller is None else self.controller.header,
+                described=self.described,
+                machine_id=self.machine_id,
+                driven_id=0 if self.controller is None else self.controller.body.machine_id,
                 beyond_qualified=self._beyond_qualified(),
             )
         )

@@ -1,9 +1,10 @@
 """What must hold of the force gauge and of the force that it reads."""
 
-from hydrohil.services.supervisor.machine import NOISE_N, TOUCH_N
 from hydrohil.services.supervisor.rule import Limits, Observed, Rule
 from hydrohil.shared.compiled.kernel import kernel
 from hydrohil.shared.contract.messages import TripCause
+
+TOUCH_N = 15.0  # the thesis' trials begin with the tool resting on the plate at 12 N while the bias is taken
 
 
 @kernel
@@ -53,7 +54,7 @@ def force_explained(observed: Observed, limits: Limits) -> bool:
 
 @kernel
 def force_pushes(observed: Observed, limits: Limits) -> bool:
-    return not observed.moving or observed.gauge.smooth_n >= -(NOISE_N + TOUCH_N)
+    return not observed.moving or observed.gauge.smooth_n >= -(limits.gauge.noise_n + TOUCH_N)
 
 
 @kernel
@@ -124,7 +125,7 @@ FORCE_RULES = (
         holds=force_pushes,
         cause=TripCause.FORCE_BELOW_BIAS,
         measured=lambda observed, _: observed.gauge.smooth_n,
-        limit=lambda _, __: -(NOISE_N + TOUCH_N),
+        limit=lambda _, limits: -(limits.gauge.noise_n + TOUCH_N),
     ),
     Rule(
         holds=bias_steady,

@@ -1,10 +1,9 @@
 """What must hold of the joints, the tip and the valves that move them."""
 
-from hydrohil.services.supervisor.machine import BRAKES, FULL_SPEED, MOVES_WITHIN_NS
 from hydrohil.services.supervisor.rule import Limits, Observed, Rule
 from hydrohil.shared.compiled.kernel import kernel
 from hydrohil.shared.contract.messages import TripCause
-from hydrohil.shared.contract.pose import Triple
+from hydrohil.shared.machine.description import Triple
 
 # The kernels named `_first_...` return the index that a rule judges: of the first value that breaks its limit, 0 if none does.
 
@@ -21,13 +20,14 @@ def counters_follow(observed: Observed, limits: Limits) -> bool:
 
 @kernel
 def links_obey(observed: Observed, limits: Limits) -> bool:
-    return _below(observed.motion.against, BRAKES, _first_above(observed.motion.against, BRAKES))
+    against, brakes_q = observed.motion.against, limits.motion.brakes_q
+    return _below(against, brakes_q, _first_above(against, brakes_q))
 
 
 @kernel
 def links_move(observed: Observed, limits: Limits) -> bool:
     for link in range(3):
-        if not observed.motion.idle_ns[link] <= MOVES_WITHIN_NS:
+        if not observed.motion.idle_ns[link] <= limits.motion.moves_within_ns:
             return False
     return True
 
@@ -79,7 +79,7 @@ def _counter_end(counts: tuple[int, int, int], limits: Limits) -> int:
 @kernel
 def _reach(observed: Observed, limits: Limits, encoder: int) -> float:
     """Furthest that an encoder can have moved since the sample before: at full speed, and the count that a floor may add."""
-    return FULL_SPEED[encoder] * observed.motion.dt_s + limits.count_q[encoder] * (1.0 + 1e-9)
+    return limits.motion.full_speed[encoder] * observed.motion.dt_s + limits.count_q[encoder] * (1.0 + 1e-9)
 
 
 @kernel
@@ -153,14 +153,14 @@ MOTION_RULES = (
     Rule(
         holds=links_obey,
         cause=TripCause.MOTION_AGAINST,
-        measured=lambda observed, _: observed.motion.against[_first_above(observed.motion.against, BRAKES)],
-        limit=lambda observed, _: BRAKES[_first_above(observed.motion.against, BRAKES)],
+        measured=lambda observed, limits: observed.motion.against[_first_above(observed.motion.against, limits.motion.brakes_q)],
+        limit=lambda observed, limits: limits.motion.brakes_q[_first_above(observed.motion.against, limits.motion.brakes_q)],
     ),
     Rule(
         holds=links_move,
         cause=TripCause.NO_MOTION,
         measured=lambda observed, _: _longest_idle_ns(observed) * 1e-9,
-        limit=lambda _, __: MOVES_WITHIN_NS * 1e-9,
+        limit=lambda _, limits: limits.motion.moves_within_ns * 1e-9,
     ),
     Rule(
         holds=joints_within,

@@ -10,14 +10,18 @@ from hydrohil.shared.compiled.kernel import kernel
 from hydrohil.shared.contract.converters import Calibration
 from hydrohil.shared.contract.deadline_window import DeadlineWindow, deadline_window_step
 from hydrohil.shared.contract.messages import NO_COMMAND, NO_TRIAL, Sample
-from hydrohil.shared.contract.pose import UNIMATE_GEOMETRY, forward, joint_positions
+from hydrohil.shared.contract.pose import forward, joint_positions
 from hydrohil.shared.contract.timeliness import answered_in_time
+from hydrohil.shared.machine.description import Gauge, Geometry
 
 
 class ObserverParams(NamedTuple):
     """What the windows need to know of the machine and the trial."""
 
     calibration: Calibration
+    geometry: Geometry
+    gauge: Gauge
+    tip_count_m: float
     codes: DriveCodes
     tare_ticks: int
     period_ns: int
@@ -91,9 +95,11 @@ def observe_step(
     )
     force, gauge_observation = force_step(
         memory.force,
+        params.gauge,
         gauge_motion,
         counts=sample.force_counts,
         raw_n=sample.force_counts * params.calibration.force_n_per_count,
+        tip_count_m=params.tip_count_m,
         quiet_counts=params.quiet_counts,
         level_n=params.contact_level_n,
     )
@@ -131,7 +137,7 @@ def _pose(params: ObserverParams, sample: Sample) -> Pose:
         counts=(sample.encoder_counts[0], sample.encoder_counts[1], sample.encoder_counts[2]),
         q=q,
         pitch_rad=pitch_rad,
-        tip_m=forward(UNIMATE_GEOMETRY, q, pitch_rad),
+        tip_m=forward(params.geometry, q, pitch_rad),
     )
 
 

@@ -2,11 +2,12 @@
 
 from typing import NamedTuple
 
-from hydrohil.services.supervisor.machine import COUNT_M, GAUGE_N_PER_M, GAUGE_NS_PER_M, LOOSE_M_PER_S, NOISE_N
 from hydrohil.services.supervisor.rule import GaugeObservation
 from hydrohil.shared.compiled.kernel import kernel
+from hydrohil.shared.machine.description import Gauge
 
 SMOOTHING_S = 0.02
+LOOSE_M_PER_S = 0.03  # a crate that breaks loose runs ahead: (232 - 182 N) / sqrt(46 kN/m 64 kg)  (thesis 5.5)
 
 
 class ForceMemory(NamedTuple):
@@ -40,7 +41,14 @@ def force_begin(counts: int, raw_n: float) -> ForceMemory:
 
 @kernel
 def force_step(
-    memory: ForceMemory, motion: GaugeMotion, counts: int, raw_n: float, quiet_counts: int, level_n: float
+    memory: ForceMemory,
+    gauge: Gauge,
+    motion: GaugeMotion,
+    counts: int,
+    raw_n: float,
+    tip_count_m: float,
+    quiet_counts: int,
+    level_n: float,
 ) -> tuple[ForceMemory, GaugeObservation]:
     """Take one reading in.
 
@@ -57,8 +65,8 @@ def force_step(
     quiet = motion.follows and motion.dt_ns > 0 and abs(counts - memory.counts) <= quiet_counts
     quiet_samples = memory.quiet_samples + 1 if quiet else 0
     held_ns = memory.held_ns + motion.dt_ns if tared_n > level_n else 0
-    energy_j = _energy(memory.energy_j, tared_n, motion.way_m)
-    explained_n = memory.explained_n + GAUGE_N_PER_M * max(0.0, motion.way_m)  # a NaN is no way
+    energy_j = _energy(memory.energy_j, gauge.noise_n, tared_n, motion.way_m)
+    explained_n = memory.explained_n + gauge.stiffness_n_per_m * max(0.0, motion.way_m)  # a NaN is no way
     speed = abs(motion.speed_m_per_s)
     observed = GaugeObservation(
         force_counts=counts,
@@ -69,14 +77,14 @@ def force_step(
         smooth_n=tared_n,
         rate_n_per_s=(raw_n - smooth_n) / SMOOTHING_S,
         jump_n=raw_n - memory.raw_n,
-        jump_limit_n=_jump_limit(speed, dt_s),
+        jump_limit_n=_jump_limit(gauge, tip_count_m, speed, dt_s),
         unexplained_n=raw_n - explained_n,
-        unexplained_limit_n=_unexplained_limit(speed),
+        unexplained_limit_n=_unexplained_limit(gauge, tip_count_m, speed),
         quiet_samples=quiet_samples,
         held_ns=held_ns,
         energy_j=energy_j,
     )
-    at_most_n = raw_n + GAUGE_NS_PER_M * speed  # a crate that slides ahead takes that much off the reading
+    at_most_n = raw_n + gauge.damping_ns_per_m * speed  # a crate that slides ahead takes that much off the reading
     after = ForceMemory(
         counts=counts,
         raw_n=raw_n,
@@ -90,20 +98,20 @@ def force_step(
 
 
 @kernel
-def _jump_limit(speed_m_per_s: float, dt_s: float) -> float:
+def _jump_limit(gauge: Gauge, tip_count_m: float, speed_m_per_s: float, dt_s: float) -> float:
     """Largest step of the reading, in N, that noise and the gauge's own spring and damper explain at this speed."""
-    speed_error = COUNT_M / (SMOOTHING_S + dt_s)  # what one count adds to the smooth speed
-    return 2.0 * NOISE_N + (GAUGE_N_PER_M * dt_s + GAUGE_NS_PER_M) * (speed_m_per_s + speed_error)
+    speed_error = tip_count_m / (SMOOTHING_S + dt_s)  # what one count adds to the smooth speed
+    return 2.0 * gauge.noise_n + (gauge.stiffness_n_per_m * dt_s + gauge.damping_ns_per_m) * (speed_m_per_s + speed_error)
 
 
 @kernel
-def _unexplained_limit(speed_m_per_s: float) -> float:
+def _unexplained_limit(gauge: Gauge, tip_count_m: float, speed_m_per_s: float) -> float:
     """Largest reading above what the way into the environment explains, in N: noise, one count, and the damper."""
-    return 2.0 * NOISE_N + GAUGE_N_PER_M * COUNT_M + GAUGE_NS_PER_M * (speed_m_per_s + LOOSE_M_PER_S)
+    return 2.0 * gauge.noise_n + gauge.stiffness_n_per_m * tip_count_m + gauge.damping_ns_per_m * (speed_m_per_s + LOOSE_M_PER_S)
 
 
 @kernel
-def _energy(energy_j: float, tared_n: float, way_m: float) -> float:
-    if tared_n <= NOISE_N or energy_j != energy_j:
+def _energy(energy_j: float, noise_n: float, tared_n: float, way_m: float) -> float:
+    if tared_n <= noise_n or energy_j != energy_j:
         return 0.0
     return max(energy_j + tared_n * way_m, 0.0)  # a NaN stays one

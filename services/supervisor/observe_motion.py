@@ -3,13 +3,13 @@
 import math
 from typing import NamedTuple
 
-from hydrohil.services.supervisor.machine import AT_STOP_COUNTS, TRAVEL_HIGH, TRAVEL_LOW
 from hydrohil.services.supervisor.rule import MotionObservation
 from hydrohil.shared.compiled.kernel import kernel
 from hydrohil.shared.contract.messages import LinkCounts
-from hydrohil.shared.contract.pose import Triple
+from hydrohil.shared.machine.description import Triple
 
 SMOOTHING_S = 0.02
+AT_STOP_COUNTS = 2.0
 
 
 class LinkProgress(NamedTuple):
@@ -34,11 +34,13 @@ class MotionMemory(NamedTuple):
 
 
 class DriveCodes(NamedTuple):
-    """D/A codes at and beyond which a link must move, and the size of a count."""
+    """D/A codes at and beyond which a link must move, the size of a count, and where its stops are."""
 
     low: LinkCounts
     high: LinkCounts
     count_q: Triple
+    travel_low: Triple
+    travel_high: Triple
 
 
 class Pose(NamedTuple):
@@ -93,7 +95,7 @@ def against(progress: LinkProgress, q: float) -> float:
 
 @kernel
 def _link(progress: LinkProgress, codes: DriveCodes, dac_counts: LinkCounts, pose: Pose, link: int, dt_ns: int) -> LinkProgress:
-    stops = (TRAVEL_LOW[link], TRAVEL_HIGH[link])
+    stops = (codes.travel_low[link], codes.travel_high[link])
     near_q = AT_STOP_COUNTS * codes.count_q[link]
     sign = _driven(dac_counts[link], codes.low[link], codes.high[link], pose.q[link], stops, near_q)
     return link_step(progress, sign, pose.q[link], dt_ns)

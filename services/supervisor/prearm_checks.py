@@ -19,12 +19,15 @@ class Declared(NamedTuple):
     run: Run
     plant: Header  # of the sample that is judged
     controller: Header | None  # of its newest state
+    described: Header | None  # of the plant's newest description
+    machine_id: int  # of the machine in it
+    driven_id: int  # of the machine that the controller states it drives
     beyond_qualified: str  # why the rate is above what this host is qualified for, "" if it is not
 
 
 def prearm_problem(declared: Declared) -> str:
     """Which condition does not hold and what to do, in one line; "" if all agree."""
-    envelope, config, description, run, plant, controller, beyond_qualified = declared
+    envelope, config, description, run, plant, controller, described, machine_id, driven_id, beyond_qualified = declared
     if envelope is None:
         return "no experiment is loaded (`hydrohil run NAME` loads one)"
     if controller is None:
@@ -36,4 +39,9 @@ def prearm_problem(declared: Declared) -> str:
     for name, header in (("plant", plant), ("controller", controller)):
         if not same_run(header, run):
             return f"the {name} has another experiment or run loaded: load again"
+    if described is None or not same_run(described, run):
+        return "the plant has not described its machine since the load: wait a second, then arm again"
+    if driven_id != machine_id:
+        plant_s = f"{description.machine.name}, {machine_id:012x}"
+        return f"the controller drives another machine ({driven_id:012x}) than the plant describes ({plant_s}): load again"
     return beyond_qualified

@@ -126,6 +126,8 @@ class SupervisorRequests:
             "limit": memory.limit,
             "arming_id": memory.arming_id,
             "force_bias_n": memory.observer.bias.mean_n,
+            "machine": "" if self._cell.description is None else self._cell.description.machine.name,
+            "machine_hash": "" if self._cell.description is None else self._cell.description.machine_hash.hex(),
             "experiment": self._bus.run.experiment.hex(),
             "run": self._bus.run.run,
             "in_time": quality(memory.observer.answers.missed),

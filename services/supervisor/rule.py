@@ -8,7 +8,7 @@ from typing import NamedTuple
 
 from hydrohil.services.supervisor.config import SupervisorConfig
 from hydrohil.shared.contract.messages import TripCause
-from hydrohil.shared.contract.pose import Triple
+from hydrohil.shared.machine.description import Gauge, MotionBounds, Triple
 
 
 class GaugeObservation(NamedTuple):
@@ -71,9 +71,11 @@ class Observed(NamedTuple):
 
 
 class Limits(NamedTuple):
-    """The experiment's limits, the gauge's and those of the transport."""
+    """The experiment's limits, the machine's and those of the transport."""
 
     config: SupervisorConfig
+    gauge: Gauge
+    motion: MotionBounds
     min_force_counts: int
     max_force_counts: int
     quiet_samples: int

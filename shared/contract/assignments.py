@@ -6,7 +6,7 @@ import tomllib
 from collections.abc import Iterable
 from typing import Any
 
-from hydrohil.shared.contract.faults import LINKS
+from hydrohil.shared.machine.description import LINKS
 
 
 def parsed(assignment: str) -> tuple[str, Any]:

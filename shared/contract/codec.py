@@ -101,6 +101,8 @@ def decode(key: str, topic: Topic, cell: str, frame: bytes, arrival_ns: int) -> 
     body = _shape(topic.message)(fields[-1])
     if body is None:
         return reject("malformed", f"body of {topic.key}")
+    if topic.problem is not None and (what := topic.problem(body)):
+        return reject("malformed", f"{topic.key}: {what}")
     return Received(arrival_ns, topic.key, header, body)
 
 

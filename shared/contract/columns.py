@@ -11,8 +11,9 @@ from typing import Any, NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from hydrohil.shared.contract.converters import UNIMATE_CONVERTERS
-from hydrohil.shared.contract.messages import Channel, Command, ControllerState, GateEvent, GroundTruth, Permit, Sample
+from hydrohil.shared.contract.messages import Command, ControllerState, GateEvent, GroundTruth, Permit, Sample
+from hydrohil.shared.machine.description import LINK_TITLES, Channel
+from hydrohil.shared.machine.unimate import UNIMATE
 from hydrohil.shared.units import A_PER_MA, RAD_PER_DEG
 
 Matrix = NDArray[np.float64]
@@ -22,8 +23,6 @@ MM = 1e3
 MA = 1.0 / A_PER_MA
 MPA = 1e-6
 MS = 1e-6  # from ns
-
-LINKS = ("rotate", "down/up", "out/in")
 
 
 class Curve(NamedTuple):
@@ -77,7 +76,7 @@ def figure_values(figure: Figure, names: tuple[str, ...], matrix: Matrix) -> Mat
 
 
 def _links(column: str, factor: float, which: tuple[int, ...] = (0, 1, 2), minus: str = "", label: str = "") -> tuple[Curve, ...]:
-    return tuple(Curve(f"{LINKS[i]}{label}", f"{column}[{i}]", factor, f"{minus}[{i}]" if minus else "") for i in which)
+    return tuple(Curve(f"{LINK_TITLES[i]}{label}", f"{column}[{i}]", factor, f"{minus}[{i}]" if minus else "") for i in which)
 
 
 ANGLES, EXTENSION = (0, 1), (2,)
@@ -114,7 +113,10 @@ GROUND_TRUTH_FIGURES = (
         tuple(
             c
             for i in (0, 1, 2)
-            for c in (Curve(f"{LINKS[i]} A", f"pressure_a_pa[{i}]", MPA), Curve(f"{LINKS[i]} B", f"pressure_b_pa[{i}]", MPA))
+            for c in (
+                Curve(f"{LINK_TITLES[i]} A", f"pressure_a_pa[{i}]", MPA),
+                Curve(f"{LINK_TITLES[i]} B", f"pressure_b_pa[{i}]", MPA),
+            )
         ),
     ),
     Figure("figure/environment", (Curve("environment", "environment_m", MM),)),
@@ -122,7 +124,7 @@ GROUND_TRUTH_FIGURES = (
 PERMIT_FIGURES = (Figure("figure/force_limit", (Curve("supervisor's limit", "force_limit_n"),), stepped=True),)
 
 
-def sample_figures(converters: tuple[Channel, ...] = UNIMATE_CONVERTERS) -> tuple[Figure, ...]:
+def sample_figures(converters: tuple[Channel, ...] = UNIMATE.converters) -> tuple[Figure, ...]:
     """Figures of the samples: valve current from the codes in force, by the plant's own converter table."""
     curves = tuple(
         Curve(c.name.replace("_", "/"), f"dac_counts[{i}]", c.scale * MA, "", c.offset * MA) for i, c in enumerate(converters)
@@ -133,7 +135,7 @@ def sample_figures(converters: tuple[Channel, ...] = UNIMATE_CONVERTERS) -> tupl
     )
 
 
-def figures(message: type, converters: tuple[Channel, ...] = UNIMATE_CONVERTERS) -> tuple[Figure, ...]:
+def figures(message: type, converters: tuple[Channel, ...] = UNIMATE.converters) -> tuple[Figure, ...]:
     """Figures drawn from a message."""
     fixed = {
         ControllerState: STATE_FIGURES,

@@ -3,30 +3,10 @@
 from typing import NamedTuple
 
 from hydrohil.shared.compiled.kernel import kernel
-from hydrohil.shared.contract.messages import Channel
-from hydrohil.shared.units import A_PER_MA, RAD_PER_DEG
+from hydrohil.shared.machine.description import Channel, Drive
+from hydrohil.shared.machine.unimate import UNIMATE
 
-COUNTS_PER_A = 2048.0 / (360.0 * A_PER_MA)  # scale of the program's u, from 7e4/rtd counts/deg = 215 mA/deg
-REDUCTION_NUMERATOR, REDUCTION_DENOMINATOR = 3, 5  # "reduce response for amateur operator"
-A_PER_CODE = 600.0 * A_PER_MA / 2048.0  # full scale of the converter
-ZERO_CODE = 2048
-MIN_CODE, MAX_CODE = 820, 3276  # what is left of 12 bits after the reduction
-MAX_COUNTS, MIN_COUNTS = 2047, -2048
-
-N_PER_FORCE_COUNT = 20.0 / 66.0 * 9.8 / 2.2  # the program's own scale; 4.4482 N/lb would give 1.348
-MIN_FORCE_COUNTS, MAX_FORCE_COUNTS = -2048, 2047
-
-UNIMATE_ENCODERS = (
-    Channel("rotate", "rad", 0.0281778 * RAD_PER_DEG, -113.5848 * RAD_PER_DEG, 13, 0, 8191),
-    Channel("down_up", "rad", -0.0284006 * RAD_PER_DEG, 27.59 * RAD_PER_DEG, 11, 0, 2047),
-    Channel("out_in", "m", 0.00105, -0.0052, 10, 0, 1023),
-    Channel("roll", "count", 1.0, 0.0, 10, 0, 1023),  # the program reads it and uses it nowhere
-    Channel("pitch", "rad", -0.113475 * RAD_PER_DEG, 3.797 * RAD_PER_DEG, 11, 0, 2047),
-)
-UNIMATE_FORCE = Channel("force", "N", N_PER_FORCE_COUNT, 0.0, 12, MIN_FORCE_COUNTS, MAX_FORCE_COUNTS)
-UNIMATE_CONVERTERS = tuple(
-    Channel(name, "A", A_PER_CODE, -ZERO_CODE * A_PER_CODE, 12, MIN_CODE, MAX_CODE) for name in ("rotate", "down_up", "out_in")
-)
+ZERO_CODE = UNIMATE.drive.zero_code  # of the gate, which takes no limit from a message
 
 
 class Calibration(NamedTuple):
@@ -49,25 +29,26 @@ def calibration(encoders: tuple[Channel, ...], force: Channel) -> Calibration:
 
 
 @kernel
-def current_to_code(current_a: float) -> int:
+def current_to_code(drive: Drive, current_a: float) -> int:
     """Code for the D/A that drives `current_a`; truncated and clipped as the program does, zero for a NaN.
 
-    c = trunc(u * 2048 / 360 mA) in -2048..2047, code = 2048 + trunc(3/5 c).
+    c = trunc(u counts_per_a) in its range, code = zero + trunc(numerator c / denominator); the Unimate's are 2048 / 360 mA
+    and 3/5.
     """
-    scaled = current_a * COUNTS_PER_A
+    scaled = current_a * drive.counts_per_a
     counts = 0
-    if scaled >= MAX_COUNTS:
-        counts = MAX_COUNTS
-    elif scaled <= MIN_COUNTS:
-        counts = MIN_COUNTS
+    if scaled >= drive.max_counts:
+        counts = drive.max_counts
+    elif scaled <= drive.min_counts:
+        counts = drive.min_counts
     elif scaled == scaled:  # not a NaN
         counts = int(scaled)
     if counts >= 0:
-        return ZERO_CODE + counts * REDUCTION_NUMERATOR // REDUCTION_DENOMINATOR
-    return ZERO_CODE - (-counts * REDUCTION_NUMERATOR // REDUCTION_DENOMINATOR)
+        return drive.zero_code + counts * drive.numerator // drive.denominator
+    return drive.zero_code - (-counts * drive.numerator // drive.denominator)
 
 
 @kernel
-def code_to_current(code: int) -> float:
+def code_to_current(drive: Drive, code: int) -> float:
     """Valve current in A that a D/A code drives."""
-    return (code - ZERO_CODE) * A_PER_CODE
+    return (code - drive.zero_code) * drive.a_per_code

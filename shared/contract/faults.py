@@ -10,11 +10,11 @@ from typing import Annotated, Any, Literal, NamedTuple
 
 from annotated_types import Interval
 
+from hydrohil.shared.machine.description import LINKS
 from hydrohil.shared.units import NS_PER_S
 
 Group = Literal["sensor", "actuator", "transport", "process"]
 
-LINKS = ("rotate", "down_up", "out_in")
 FORCE = ("force",)
 ENCODERS = tuple(f"encoder_{link}" for link in LINKS)
 VALVES = tuple(f"valve_{link}" for link in LINKS)

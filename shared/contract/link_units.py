@@ -9,8 +9,8 @@ from collections.abc import Sequence
 from functools import cache
 from typing import Any
 
-from hydrohil.shared.contract.faults import LINKS
 from hydrohil.shared.contract.schema import bare, child, field_names
+from hydrohil.shared.machine.description import LINKS
 
 _TURNS = {"q": "rad", "q2": "rad2", "tau": "nm"}
 _SLIDES = {"q": "m", "q2": "m2", "tau": "n"}

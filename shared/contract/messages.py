@@ -11,6 +11,8 @@ from typing import Annotated, NamedTuple
 
 from annotated_types import Len
 
+from hydrohil.shared.machine.description import MachineDescription
+
 NO_TRIAL = -(2**31)  # tick of a sample that belongs to no trial
 NO_COMMAND = -1  # sample number that no command answers
 
@@ -100,25 +102,11 @@ class TripCause(IntEnum):
     NOT_READY = 30
 
 
-class Channel(NamedTuple):
-    """One converter channel: value = scale * count + offset, count in [low, high]."""
-
-    name: str
-    unit: str
-    scale: float
-    offset: float
-    bits: int
-    low: int
-    high: int
-
-
 class PlantDescription(NamedTuple):
-    """What a controller must know of the machine it drives."""
+    """The machine that the plant drives, and how it is sampled; everybody else takes both from here."""
 
-    machine: str
-    encoders: tuple[Channel, ...]
-    force: Channel
-    converters: tuple[Channel, ...]  # D/A, as current in A
+    machine: MachineDescription
+    machine_hash: bytes  # SHA-256 of `machine`: whoever judges or drives by another machine is refused
     sample_period_ns: int
     latch_ns: int
     permit_ttl_ns: int
@@ -203,6 +191,7 @@ class ControllerState(NamedTuple):
     boosted: LinkCounts  # 1 = integral augmented at this sample
     clamped: int  # bit mask of what the envelope clamped; 0 = nothing
     ready: int  # 1 = buffers full and the reference starts at the pose
+    machine_id: int  # first 48 bits of the hash of the machine that it drives
     compute_ns: int
 
 

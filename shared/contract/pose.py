@@ -1,34 +1,18 @@
 """Encoder counts to joint positions, and joint positions to the tip: what controller and supervisor both need.
 
 q = (rotate, down/up with + down, out/in); x = (forward, left, up) from the shoulder, in m. The pitch encoder turns the hand:
-0 hangs down, -90 deg points outward. With  d = q3 + 0.788 - a4 sin(pitch)  and  a = a2 - a4 cos(pitch):
+0 hangs down, -90 deg points outward. With  d = q3 + retracted - a4 sin(pitch)  and  a = a2 - a4 cos(pitch):
     r = d cos q2 + a sin q2,   z = -d sin q2 + a cos q2,   x = r cos q1,   y = r sin q1   (Appendix F, `qtox`).
 """
 
 import math
-from typing import NamedTuple
 
 from hydrohil.shared.compiled.kernel import kernel
 from hydrohil.shared.contract.converters import Calibration
 from hydrohil.shared.contract.messages import Counts
-from hydrohil.shared.units import RAD_PER_DEG
-
-Triple = tuple[float, float, float]
+from hydrohil.shared.machine.description import Geometry, Triple
 
 LARGEST_ANGLE_RAD = 1e9  # beyond, an angle is nonsense; sin(inf) would raise
-
-
-class Geometry(NamedTuple):
-    """Lengths and joint travel (Appendix F, `a2`, `a4`, `HighLimit`, `LowLimit`)."""
-
-    offset_m: float = 0.13  # a2, shoulder axis to boom
-    hand_m: float = 0.5  # a4, wrist to tip
-    retracted_m: float = 0.788  # boom length at q3 = 0
-    low_q: Triple = (-110 * RAD_PER_DEG, -30 * RAD_PER_DEG, 0.788 - 0.788)
-    high_q: Triple = (110 * RAD_PER_DEG, 27 * RAD_PER_DEG, 1.828 - 0.788)
-
-
-UNIMATE_GEOMETRY = Geometry()
 
 
 @kernel

@@ -1,8 +1,10 @@
 """Every topic in one table: key, message, publisher, rate, deadline. Watchdogs, recorder and wire page derive from it."""
 
+from collections.abc import Callable
 from typing import Any, NamedTuple
 
 from hydrohil.shared.contract import messages
+from hydrohil.shared.contract.description import description_problem
 
 
 class Topic(NamedTuple):
@@ -15,15 +17,16 @@ class Topic(NamedTuple):
     per_sample: bool = False  # once a sample; otherwise on change
     deadline: str = ""  # in sample periods or leases; "" = none
     loop: bool = False  # carries the control loop: real-time priority
+    problem: Callable[[Any], str] | None = None  # why a body of the right types cannot be used, "" if it can
 
 
 TOPICS = (
     Topic("plant/sample", 1, messages.Sample, "plant", per_sample=True, deadline="1 period", loop=True),
     Topic("plant/ground_truth", 21, messages.GroundTruth, "plant", per_sample=True),
     Topic("plant/gate", 20, messages.GateEvent, "plant"),
-    Topic("plant/description", 4, messages.PlantDescription, "plant"),
+    Topic("plant/description", 23, messages.PlantDescription, "plant", problem=description_problem),
     Topic("controller/command", 5, messages.Command, "controller", per_sample=True, deadline="1 lease", loop=True),
-    Topic("controller/state", 22, messages.ControllerState, "controller", per_sample=True, deadline="1 lease"),
+    Topic("controller/state", 24, messages.ControllerState, "controller", per_sample=True, deadline="1 lease"),
     Topic("supervisor/permit", 7, messages.Permit, "supervisor", per_sample=True, deadline="1 lease", loop=True),
     Topic("plant/link_stats", 10, messages.LinkStats, "plant"),
     Topic("controller/link_stats", 11, messages.LinkStats, "controller"),

@@ -8,8 +8,9 @@ import math
 from collections.abc import Mapping, Sequence
 from typing import Any, NamedTuple
 
-from hydrohil.shared.contract.converters import N_PER_FORCE_COUNT, ZERO_CODE
+from hydrohil.shared.contract.converters import ZERO_CODE
 from hydrohil.shared.contract.messages import NO_TRIAL, GateCause, GateState, LinkStats, Mode, PlantDescription, TripCause
+from hydrohil.shared.machine.unimate import UNIMATE
 from hydrohil.shared.trips.ages import ages
 from hydrohil.shared.trips.causes import CUTS, TRIPS, Cause, cut_happened, trip_happened
 from hydrohil.shared.trips.tables import GATE, GROUND_TRUTH, PERMIT, SAMPLE, STATE, Table, Tables, row_of
@@ -58,6 +59,8 @@ def trip_report(
     document: Document = {
         "format": FORMAT,
         **origin._asdict(),
+        "machine": description.machine.name if description is not None else "",
+        "machine_hash": description.machine_hash.hex() if description is not None else "",
         "by": trip.by,
         "cause": trip.cause,
         "measured": _plain(trip.measured),
@@ -67,7 +70,7 @@ def trip_report(
         "happened": trip.happened,
         "sample": trip.sample,
         **_when(signals, trip.sample),
-        "stop": stop(signals, trip.sample, description.force.scale if description is not None else N_PER_FORCE_COUNT),
+        "stop": stop(signals, trip.sample, (description.machine if description is not None else UNIMATE).force.scale),
         "ages": ages(signals, trip.by, trip.sample, origin.receiver),
         "counters": dict(counters or {}),
         "changed": list(changed),

@@ -1,25 +1,25 @@
 import math
+from functools import partial
 
 import pytest
 
-from hydrohil.services.controller.checks import check
+from hydrohil.services.controller import checks
 from hydrohil.services.controller.config import AdaptationConfig, ControllerConfig, ImpedanceConfig, Segment, controller_params
 from hydrohil.services.controller.contact_environment import ContactEnvironment
 from hydrohil.services.controller.kinematics import inverse
 from hydrohil.services.controller.params import FORMULATION_MEASURED
-from hydrohil.shared.contract.converters import UNIMATE_CONVERTERS, UNIMATE_ENCODERS, UNIMATE_FORCE
-from hydrohil.shared.contract.messages import PlantDescription
-from hydrohil.shared.contract.pose import UNIMATE_GEOMETRY, forward
+from hydrohil.shared.contract.pose import forward
+from hydrohil.shared.machine.unimate import UNIMATE
+from tests.support.machines import description
 
-DESCRIPTION = PlantDescription(
-    "unimate", UNIMATE_ENCODERS, UNIMATE_FORCE, UNIMATE_CONVERTERS, 4_500_000, 4_000_000, 20_000_000, 20_000_000, 420.0, 0, -1.0
-)
+DESCRIPTION = description()
 
 
 POSE = (0.0, 0.0, 0.212)
 
 
 JOINT = ControllerConfig(target="joint")
+check = partial(checks.check, geometry=UNIMATE.geometry)
 
 
 def test_an_onset_on_the_ceiling_leaves_no_room_to_give_way():
@@ -55,7 +55,7 @@ def test_what_does_not_fit_together_is_refused_in_one_line(config, segment, says
 
 
 def test_a_reference_up_to_the_end_of_travel_is_taken():
-    q2 = UNIMATE_GEOMETRY.high_q[1]
+    q2 = UNIMATE.geometry.high_q[1]
     check(JOINT, (Segment("q2", "step", amount=q2), Segment("q1", "ramp", duration_s=1.0, blend_s=0.5, amount=1.9)), POSE)
 
 
@@ -125,11 +125,11 @@ def test_a_force_set_point_that_would_take_the_tool_out_of_travel_is_refused_wit
 
 
 def test_the_largest_force_of_the_travel_is_taken_and_a_newton_more_is_not():
-    x, _, z = forward(UNIMATE_GEOMETRY, POSE, 0.0)
+    x, _, z = forward(UNIMATE.geometry, POSE, 0.0)
     low, high = 0.0, 1000.0
     for _ in range(40):  # the deepest z at this reach, by bisection on the inverse kinematics
         middle = 0.5 * (low + high)
-        clamped = inverse(UNIMATE_GEOMETRY, (x, 0.0, z - middle / 500.0), 0.0)[1]
+        clamped = inverse(UNIMATE.geometry, (x, 0.0, z - middle / 500.0), 0.0)[1]
         low, high = (low, middle) if clamped else (middle, high)
     check(SOFT_TARGET, push(low), POSE, 0.0, FREE)
     with pytest.raises(ValueError, match="force set-point"):

@@ -14,13 +14,10 @@ from hydrohil.services.controller.config import (
     segment_table,
 )
 from hydrohil.services.controller.params import OUT_IN_GAINS, TARGET_JOINT, UNIMATE_GAINS
-from hydrohil.shared.contract.converters import UNIMATE_CONVERTERS, UNIMATE_ENCODERS, UNIMATE_FORCE
 from hydrohil.shared.contract.envelope import checked
-from hydrohil.shared.contract.messages import PlantDescription
+from tests.support.machines import description
 
-DESCRIPTION = PlantDescription(
-    "unimate", UNIMATE_ENCODERS, UNIMATE_FORCE, UNIMATE_CONVERTERS, 4_500_000, 4_000_000, 20_000_000, 20_000_000, 420.0, 0, -1.0
-)
+DESCRIPTION = description()
 
 
 JOINT = ControllerConfig(target="joint")

@@ -14,11 +14,12 @@ from hydrohil.services.controller.kinematics import (
     tip_velocity,
 )
 from hydrohil.shared.compiled.kernel import compiled
-from hydrohil.shared.contract.converters import UNIMATE_ENCODERS, UNIMATE_FORCE, calibration
-from hydrohil.shared.contract.pose import UNIMATE_GEOMETRY, forward, joint_positions
+from hydrohil.shared.contract.converters import calibration
+from hydrohil.shared.contract.pose import forward, joint_positions
+from hydrohil.shared.machine.unimate import UNIMATE
 from hydrohil.shared.units import RAD_PER_DEG
 
-G = UNIMATE_GEOMETRY
+G = UNIMATE.geometry
 OUTWARD_RAD = -90 * RAD_PER_DEG
 EDGES = (math.nan, math.inf, -math.inf, 0.0, -0.0, 1e300, -1e300, 1e-320, 1.0)
 
@@ -95,7 +96,7 @@ def test_a_nan_in_one_coordinate_reaches_the_joints_and_is_not_clamped_away():
 
 
 def test_counts_become_joints_by_the_programs_scales():
-    q, pitch = joint_positions(calibration(UNIMATE_ENCODERS, UNIMATE_FORCE), (4031, 971, 207, 5, 33))
+    q, pitch = joint_positions(calibration(UNIMATE.encoders, UNIMATE.force), (4031, 971, 207, 5, 33))
     assert q[0] / RAD_PER_DEG == pytest.approx(0.0281778 * 4031 - 113.5848)
     assert q[1] / RAD_PER_DEG == pytest.approx(-0.0284006 * 971 + 27.59)
     assert q[2] == pytest.approx(0.00105 * 207 - 0.0052)

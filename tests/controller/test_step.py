@@ -15,19 +15,14 @@ from hydrohil.services.controller.config import (
     segment_table,
 )
 from hydrohil.services.controller.explicit import FILTERS_AT_REST
-from hydrohil.services.controller.step import STOPPED, Handover, control_start, control_step, slewed_code
+from hydrohil.services.controller.step import Handover, control_start, control_step, slewed_code
 from hydrohil.shared.compiled.kernel import compiled
-from hydrohil.shared.contract.converters import (
-    MAX_CODE,
-    UNIMATE_CONVERTERS,
-    UNIMATE_ENCODERS,
-    UNIMATE_FORCE,
-    ZERO_CODE,
-    code_to_current,
-    current_to_code,
-)
-from hydrohil.shared.contract.messages import NO_TRIAL, GateState, PlantDescription, Sample
+from hydrohil.shared.contract.converters import ZERO_CODE, code_to_current, current_to_code
+from hydrohil.shared.contract.messages import NO_TRIAL, GateState, Sample
+from hydrohil.shared.machine.unimate import UNIMATE
+from tests.support.machines import description
 
+STOPPED = (ZERO_CODE, ZERO_CODE, ZERO_CODE)
 PERIOD_NS = 4_500_000
 DT_S = PERIOD_NS * 1e-9
 FIRST = -30
@@ -36,10 +31,8 @@ SHUT, OPEN, REVOKED, RECOVERING = (int(state) for state in GateState)
 
 
 def _params(axis=2, sign=1.0, first_tick=FIRST, **config):
-    description = PlantDescription(
-        "u", UNIMATE_ENCODERS, UNIMATE_FORCE, UNIMATE_CONVERTERS, PERIOD_NS, 0, 0, 0, 420.0, axis, sign
-    )
-    return controller_params(ControllerConfig(**config), description, first_tick)
+    plant = description(period_ns=PERIOD_NS, force_axis=axis, force_sign=sign)
+    return controller_params(ControllerConfig(**config), plant, first_tick)
 
 
 def _sample(tick, counts=COUNTS, force=30, gate=None, dac=STOPPED, open_samples=10**6, number=None, late_ns=0, signs=(0, 0, 0)):
@@ -116,7 +109,7 @@ def test_recovering_drives_only_the_allowed_signs_with_the_low_current():
         assert all(abs(code - last) <= 100 for code, last in zip(codes, dac, strict=True))
         dac = codes
     u = params.recover_current_a
-    assert dac == (ZERO_CODE, current_to_code(-u[1]), current_to_code(u[2]))
+    assert dac == (ZERO_CODE, current_to_code(UNIMATE.drive, -u[1]), current_to_code(UNIMATE.drive, u[2]))
     assert thought.current_a == (0.0, -u[1], u[2])
 
 
@@ -195,13 +188,13 @@ def test_codes_rise_by_the_tight_limit_at_first_and_by_the_experiments_later():
     assert out[-1][0] == (ZERO_CODE + 100,) * 3
     for opened, limit in ((0, 100), (19, 100), (20, 300)):
         _, out = _run(params, JOINT_STEP, [*_bias_phase(), _sample(0), _sample(1, open_samples=opened, dac=(2000, 2048, 3100))])
-        assert out[-1][0] == (2000 + limit, 2048 + limit, min(3100 + limit, MAX_CODE))
+        assert out[-1][0] == (2000 + limit, 2048 + limit, min(3100 + limit, UNIMATE.converters[0].high))
 
 
 def test_a_current_that_is_no_number_stops_at_once():
     for current_a in (math.nan, math.inf, -math.inf):
-        assert slewed_code(current_a, 3000, 100) == ZERO_CODE
-    assert slewed_code(0.36, 3000, 100) == 3100
+        assert slewed_code(UNIMATE.drive, current_a, 3000, 100) == ZERO_CODE
+    assert slewed_code(UNIMATE.drive, 0.36, 3000, 100) == 3100
     params = _params(target="joint")
     broken = params._replace(gains=(params.gains[0]._replace(kp_a_per_q=math.nan), *params.gains[1:]))
     _, out = _run(broken, JOINT_STEP, [*_bias_phase(), _sample(0)])
@@ -377,7 +370,7 @@ def test_the_final_law_brings_links_with_a_dead_valve_to_the_set_point():
         memory, codes, thought = control_step(memory, params, table, _sample(tick, counts=counts, dac=dac, open_samples=tick))
         dac = codes
         for i, code in enumerate(codes):
-            u = code_to_current(code)
+            u = code_to_current(UNIMATE.drive, code)
             q[i] += DT_S * math.copysign(max(0.0, abs(u) - 0.08), u)
     assert thought.clamped == 0
     for i in range(3):
@@ -430,7 +423,7 @@ def test_a_law_that_takes_over_holds_the_accepted_current_and_goes_on_from_it(la
     held = (2300, 1900, 2048)
     memory, ((codes, thought),) = _run(new, JOINT_STEP, [_sample(30, dac=held)], _changed(memory, 7))
     assert all(abs(code - before) <= 1 for code, before in zip(codes, held, strict=True))  # the converter truncates
-    assert thought.current_a == tuple(map(code_to_current, held)) and thought.boosted == (0, 0, 0)
+    assert thought.current_a == tuple(code_to_current(UNIMATE.drive, code) for code in held) and thought.boosted == (0, 0, 0)
     assert memory.handover.links == 0
     for state, gains, q, q_set, current_a in zip(
         memory.laws, new.gains, thought.q, thought.q_set, thought.current_a, strict=True
@@ -446,7 +439,7 @@ def test_only_the_links_that_are_named_take_over_and_those_that_do_not_act_stay_
     sample = _sample(30, dac=(2300, 1900, 2048))
     _, ((_, alone),) = _run(params, segments, [sample], memory)
     memory, ((_, thought),) = _run(params, segments, [sample], _changed(memory, 0b110))
-    assert thought.current_a == (alone.current_a[0], code_to_current(1900), 0.0)
+    assert thought.current_a == (alone.current_a[0], code_to_current(UNIMATE.drive, 1900), 0.0)
     assert memory.laws[2].integral_a == 0.0
 
 

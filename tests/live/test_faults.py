@@ -11,8 +11,8 @@ from rerun.chunk import RrdReader
 from hydrohil.claims.trace import Trace
 from hydrohil.claims.trace_files import read_trace
 from hydrohil.shared.contract.codec import Received
-from hydrohil.shared.contract.converters import MIN_FORCE_COUNTS
 from hydrohil.shared.contract.messages import FaultEvent
+from hydrohil.shared.machine.unimate import UNIMATE
 from tests.support.live_cell import Cell, swing, until
 
 pytestmark = pytest.mark.live
@@ -74,7 +74,7 @@ def test_lockstep_equals_local_bit_for_bit_with_a_broken_machine(cell: Cell, tmp
 def test_a_dead_gauge_trips_lockstep_and_local_at_the_same_tick_and_the_recording_says_so(cell: Cell, tmp_path: Path):
     dead, rrd = ("dropout force at=0.9",), tmp_path / "r.rrd"
     local = trace(cell, tmp_path, "local", dead, 3)
-    assert local.tick[-1] == 200 and local.force_counts[-1] == MIN_FORCE_COUNTS
+    assert local.tick[-1] == 200 and local.force_counts[-1] == UNIMATE.force.low
     assert_same_bits(trace(cell, tmp_path, "lockstep", dead, 3, "--rrd", str(rrd)), local)
     log = "".join(
         str(chunk.to_record_batch().to_pydict()) for chunk in RrdReader(rrd).stream() if "log/plant" in chunk.entity_path
@@ -99,7 +99,7 @@ def test_what_is_injected_begins_at_the_sample_that_is_announced_is_shown_and_en
     observed = {message.body.number: message.body.force_counts for message in samples.take()}
     assert min(observed) < begins
     for number, counts in observed.items():
-        assert (counts == MIN_FORCE_COUNTS) == (begins <= number < last.number)
+        assert (counts == UNIMATE.force.low) == (begins <= number < last.number)
 
 
 def test_what_is_injected_into_a_trial_breaks_it(cell: Cell, tmp_path: Path):

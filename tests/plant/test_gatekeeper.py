@@ -5,9 +5,9 @@ from hydrohil.services.plant.counters import Counters
 from hydrohil.services.plant.device import Timeline
 from hydrohil.services.plant.gatekeeper import Gatekeeper
 from hydrohil.shared.contract.codec import encode
-from hydrohil.shared.contract.converters import N_PER_FORCE_COUNT
 from hydrohil.shared.contract.messages import GateCause, GateState, Mode
 from hydrohil.shared.contract.topics import expression
+from hydrohil.shared.machine.unimate import UNIMATE
 from hydrohil.shared.units import SUBSTEP_NS
 from tests.support.wire_scene import CELL, ZERO, FakeBus, command_body, header, permit_body
 
@@ -195,7 +195,7 @@ def test_every_change_of_the_gate_is_published_once_with_its_numbers():
     events = scene.bus.of("plant/gate")
     assert [event.state for event in events] == [GateState.OPEN, GateState.REVOKED, GateState.REVOKED]
     assert [event.cause for event in events] == [GateCause.NONE, GateCause.FORCE_ABOVE_LIMIT, GateCause.REVOKED_ARMING]
-    assert events[1].measured == pytest.approx(400 * N_PER_FORCE_COUNT)
+    assert events[1].measured == pytest.approx(400 * UNIMATE.force.scale)
     assert events[1].limit == 420.0
 
 

@@ -24,7 +24,7 @@ ZERO = (2048, 2048, 2048)
 NOW = PARAMS._replace(observer=PARAMS.observer._replace(tare_ticks=0), lead_samples=1, recover_samples=1)
 BEYOND = (
     LEVEL[0],
-    round((0.6 - DESCRIPTION.encoders[1].offset) / DESCRIPTION.encoders[1].scale),
+    round((0.6 - DESCRIPTION.machine.encoders[1].offset) / DESCRIPTION.machine.encoders[1].scale),
     *LEVEL[2:],
 )  # link 2 past its 27 deg
 

@@ -13,7 +13,8 @@ from scipy.integrate import solve_ivp
 from hydrohil.services.controller.kinematics import inverse
 from hydrohil.services.controller.laws import AT_REST, law_step
 from hydrohil.services.controller.params import DOWN_UP_GAINS, LAW_FINAL, LAW_MORSE, LAW_PI, LAW_VETIA, OUT_IN_GAINS, ROTATE_GAINS
-from hydrohil.shared.contract.pose import UNIMATE_GEOMETRY, forward, wrist
+from hydrohil.shared.contract.pose import forward, wrist
+from hydrohil.shared.machine.unimate import UNIMATE
 from hydrohil.shared.units import RAD_PER_DEG
 
 G = DOWN_UP_GAINS
@@ -128,7 +129,7 @@ def denavit_hartenberg(theta, alpha, a, d):
 
 def by_matrices(q, pitch):
     """Tip by Table 1 of the thesis: theta_2 = q2 + 90 deg, and the offset of link 2 negative in its convention."""
-    along, across = wrist(UNIMATE_GEOMETRY, pitch)
+    along, across = wrist(UNIMATE.geometry, pitch)
     product = denavit_hartenberg(q[0], -math.pi / 2, 0.0, 0.0)
     product = product @ denavit_hartenberg(q[1] + math.pi / 2, math.pi / 2, -across, 0.0)
     return (product @ denavit_hartenberg(-math.pi / 2, 0.0, 0.0, q[2] + along))[:3, 3]
@@ -145,11 +146,11 @@ POSES = [
 
 @pytest.mark.parametrize(("q", "pitch"), POSES)
 def test_the_tip_is_where_the_product_of_denavit_hartenberg_matrices_puts_it(q, pitch):
-    assert forward(UNIMATE_GEOMETRY, q, pitch) == pytest.approx(by_matrices(q, pitch), abs=1e-12)
+    assert forward(UNIMATE.geometry, q, pitch) == pytest.approx(by_matrices(q, pitch), abs=1e-12)
 
 
 @pytest.mark.parametrize(("q", "pitch"), POSES)
 def test_the_inverse_finds_the_joints_that_the_matrices_came_from(q, pitch):
-    found, clamped = inverse(UNIMATE_GEOMETRY, tuple(by_matrices(q, pitch).tolist()), pitch)
+    found, clamped = inverse(UNIMATE.geometry, tuple(by_matrices(q, pitch).tolist()), pitch)
     assert found == pytest.approx(q, abs=1e-9)
     assert clamped == 0

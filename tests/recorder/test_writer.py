@@ -9,8 +9,8 @@ from hydrohil.services.recorder.scene import FORCE, TIP
 from hydrohil.services.recorder.topic_rows import ANSWER_LATENCY
 from hydrohil.services.recorder.writer import Writer
 from hydrohil.shared.contract.codec import Received
-from hydrohil.shared.contract.converters import UNIMATE_ENCODERS
 from hydrohil.shared.contract.messages import Command, ControllerState, InboxCounts, LinkStats, Permit, Sample
+from hydrohil.shared.machine.unimate import UNIMATE
 from tests.support.recorder_trial import FIRST_NUMBER, PERIOD_NS, TARE_TICKS, exact, received, trial
 
 
@@ -137,7 +137,7 @@ def test_joints_follow_the_encoder_tables_and_the_scene_is_thinned():
     written = write(messages)
     joint = matrix(written, "scene/joint/down_up")
     shown = [m.body for m in messages if isinstance(m.body, Sample) and m.body.number % 4 == 0]
-    channel = UNIMATE_ENCODERS[1]
+    channel = UNIMATE.encoders[1]
     np.testing.assert_allclose(joint, [s.encoder_counts[1] * channel.scale + channel.offset for s in shown], rtol=0, atol=1e-12)
 
 

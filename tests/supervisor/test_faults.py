@@ -6,10 +6,10 @@ import pytest
 
 from hydrohil.services.plant.config import GateLimits
 from hydrohil.services.plant.plant_description import describe
-from hydrohil.services.supervisor.machine import MOVES_WITHIN_NS
 from hydrohil.services.supervisor.params import observer_params
 from hydrohil.shared.contract.faults import Fault
 from hydrohil.shared.contract.messages import Mode, TripCause
+from hydrohil.shared.machine.unimate import UNIMATE
 from hydrohil.simulation.rollout import play_local
 from hydrohil.thesis.library import find
 
@@ -97,7 +97,7 @@ def test_a_link_that_does_not_obey_trips_within_200_ms_of_a_current_that_must_mo
             break
         driven_ns += described.sample_period_ns
     assert outcome.supervisor.cause in (TripCause.NO_MOTION, TripCause.MOTION_AGAINST)
-    assert driven_ns <= MOVES_WITHIN_NS + 12 * described.sample_period_ns  # what moved goes on for a moment
+    assert driven_ns <= UNIMATE.motion.moves_within_ns + 12 * described.sample_period_ns  # what moved goes on for a moment
 
 
 def test_a_fault_of_a_trial_that_nothing_shows_trips_nothing():

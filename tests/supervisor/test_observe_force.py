@@ -6,10 +6,18 @@ import numpy as np
 import pytest
 
 from hydrohil.services.plant.noise import force_noise_n
-from hydrohil.services.supervisor.machine import COUNT_M, GAUGE_N_PER_M, GAUGE_NS_PER_M, LOOSE_M_PER_S, NOISE_N
-from hydrohil.services.supervisor.observe_force import SMOOTHING_S, ForceMemory, GaugeMotion, force_begin, force_step
-from hydrohil.shared.contract.converters import N_PER_FORCE_COUNT
+from hydrohil.services.supervisor.observe_force import (
+    LOOSE_M_PER_S,
+    SMOOTHING_S,
+    ForceMemory,
+    GaugeMotion,
+    force_begin,
+    force_step,
+)
+from hydrohil.shared.machine.unimate import UNIMATE
 
+GAUGE, COUNT_M = UNIMATE.gauge, UNIMATE.motion.tip_count_m
+NOISE_N, GAUGE_N_PER_M, GAUGE_NS_PER_M = GAUGE.noise_n, GAUGE.stiffness_n_per_m, GAUGE.damping_ns_per_m
 DT_NS = 4_500_000
 DT_S = 0.0045
 NOTHING = ForceMemory(0, 0.0, 0.0, 0.0, 0, 0, 0.0)
@@ -17,7 +25,16 @@ REST = GaugeMotion(True, 0.0, 0.0, DT_NS, 0.0, 4.0)
 
 
 def step(memory, raw_n, motion=REST, quiet_counts=1, level_n=300.0):
-    return force_step(memory, motion, math.floor(raw_n / N_PER_FORCE_COUNT), raw_n, quiet_counts, level_n)
+    return force_step(
+        memory,
+        GAUGE,
+        motion,
+        counts=math.floor(raw_n / UNIMATE.force.scale),
+        raw_n=raw_n,
+        tip_count_m=COUNT_M,
+        quiet_counts=quiet_counts,
+        level_n=level_n,
+    )
 
 
 def played(readings, motion=REST, memory=None, **changes):
@@ -38,22 +55,22 @@ def test_known_noise_is_never_quiet_for_long_nor_fast_nor_a_jump_nor_unexplained
     noise_n = 30.0 + force_noise_n(5, 0, 20_000, 5.0, NOISE_N)
     memory, longest, rate, unexplained = None, 0, 0.0, 0.0
     for raw_n in noise_n:
-        counted_n = math.floor(raw_n / N_PER_FORCE_COUNT) * N_PER_FORCE_COUNT
+        counted_n = math.floor(raw_n / UNIMATE.force.scale) * UNIMATE.force.scale
         memory, observed = step(memory or NOTHING, counted_n, REST._replace(follows=memory is not None))
         longest, rate = max(longest, observed.quiet_samples), max(rate, abs(observed.rate_n_per_s))
         unexplained = max(unexplained, observed.unexplained_n)
         assert abs(observed.jump_n) <= observed.jump_limit_n
     assert longest < 16
-    assert rate <= 2.0 * NOISE_N / (SMOOTHING_S + DT_S) + N_PER_FORCE_COUNT / SMOOTHING_S
-    assert unexplained <= 2.0 * NOISE_N + N_PER_FORCE_COUNT
+    assert rate <= 2.0 * NOISE_N / (SMOOTHING_S + DT_S) + UNIMATE.force.scale / SMOOTHING_S
+    assert unexplained <= 2.0 * NOISE_N + UNIMATE.force.scale
 
 
 def test_a_reading_that_stays_is_counted_and_one_that_changes_by_two_counts_is_not():
-    one, two = N_PER_FORCE_COUNT * 40.5, N_PER_FORCE_COUNT * 41.5
+    one, two = UNIMATE.force.scale * 40.5, UNIMATE.force.scale * 41.5
     assert played([one] * 5)[1].quiet_samples == 4
     assert played([one, two, one])[1].quiet_samples == 2
     assert played([one, two, one], quiet_counts=0)[1].quiet_samples == 0
-    assert played([one, one + 2.0 * N_PER_FORCE_COUNT])[1].quiet_samples == 0
+    assert played([one, one + 2.0 * UNIMATE.force.scale])[1].quiet_samples == 0
     memory = played([one] * 5)[0]
     assert step(memory, one, REST._replace(dt_ns=1))[1].quiet_samples == 5
     assert step(memory, one, REST._replace(dt_ns=0))[1].quiet_samples == 0  # an absence is no reading

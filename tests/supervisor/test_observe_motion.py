@@ -9,7 +9,6 @@ from hypothesis import strategies as st
 from hydrohil.services.plant.hydraulics import LinkState
 from hydrohil.services.plant.machine import link_step as machine_link_step
 from hydrohil.services.plant.params import UNIMATE
-from hydrohil.services.supervisor.machine import BRAKES, FULL_SPEED, MOVES_DOWN_A, MOVES_UP_A, MOVES_WITHIN_NS
 from hydrohil.services.supervisor.observe import LinkHealth, SampleContext, observe_step, observer_start
 from hydrohil.services.supervisor.observe_motion import (
     LinkProgress,
@@ -27,7 +26,7 @@ from hydrohil.shared.compiled.kernel import compiled
 from hydrohil.shared.contract.messages import NO_TRIAL, TripCause
 from tests.support.supervisor_scene import DESCRIPTION, LEVEL, LIMITS, PARAMS, sample
 
-OBSERVER, CODES = PARAMS.observer, PARAMS.observer.codes
+OBSERVER, CODES, MOTION = PARAMS.observer, PARAMS.observer.codes, LIMITS.motion
 RUNNING = SampleContext(True, 0, True, LinkHealth(0, 0, 0, 1))
 FIRST = 100
 T_NS = DESCRIPTION.sample_period_ns
@@ -69,7 +68,7 @@ def test_a_steady_turn_is_its_speed_and_one_count_of_chatter_is_slow(link):
 @pytest.mark.parametrize("link", range(3))
 @pytest.mark.parametrize("sign", [-1, 1])
 def test_full_speed_is_borne_and_a_count_more_in_one_sample_is_a_jump(link, sign):
-    most = math.floor(FULL_SPEED[link] * 0.0045 / LIMITS.count_q[link]) + 1
+    most = math.floor(MOTION.full_speed[link] * 0.0045 / LIMITS.count_q[link]) + 1
     assert first_broken(play([LEVEL, at(link, LEVEL[link] + sign * most)])[1], LIMITS)[0] == 0
     broken = first_broken(play([LEVEL, at(link, LEVEL[link] + sign * (most + 1))])[1], LIMITS)
     assert broken[0] == TripCause.ENCODER_JUMP
@@ -99,7 +98,7 @@ def test_a_nan_is_not_remembered():
 
 @pytest.mark.parametrize("link", range(3))
 def test_a_link_that_does_not_move_under_its_current_trips_after_200_ms_and_not_before(link):
-    samples = MOVES_WITHIN_NS // T_NS + 1  # the first of them begins the window
+    samples = MOTION.moves_within_ns // T_NS + 1  # the first of them begins the window
     for codes in (CODES.high[link], CODES.low[link]):
         driven = tuple(codes if i == link else 2048 for i in range(3))
         chatter = [at(link, LEVEL[link] + row % 2) for row in range(2)] + [LEVEL] * 200
@@ -140,7 +139,7 @@ INERTIAS = (420.0, 150.0, 45.0)
 def test_the_current_that_must_move_a_link_moves_it_by_a_count_whatever_stands_against_it(link, sign):
     params = (UNIMATE.rotate, UNIMATE.down_up, UNIMATE.out_in)[link]
     machine = UNIMATE._replace(supply_pressure_pa=6.5e6)
-    current_a = sign * (MOVES_UP_A if sign > 0.0 else MOVES_DOWN_A)[link]
+    current_a = sign * (MOTION.moves_up_a if sign > 0.0 else MOTION.moves_down_a)[link]
     for load in LOADS[link]:
         half_pa = (-sign * params.breakaway_nm - load) / params.displacement_m3_per_rad / 2.0  # left the wrong way round
         state = LinkState(0.2, 0.0, params.null_bias_a, 3.25e6 + half_pa, 3.25e6 - half_pa)
@@ -158,11 +157,11 @@ def test_a_link_at_full_speed_comes_to_rest_within_its_braking_way(link):
             state = LinkState(0.2, 0.0, params.null_bias_a, 3.5e6, 3.5e6)
             for _ in range(8000):
                 state = machine_link_step(state, params, machine, -sign * 0.36, load, INERTIAS[link], 50e-6)._replace(q=0.2)
-            current_a, furthest = sign * (MOVES_UP_A if sign > 0.0 else MOVES_DOWN_A)[link], 0.0
+            current_a, furthest = sign * (MOTION.moves_up_a if sign > 0.0 else MOTION.moves_down_a)[link], 0.0
             for _ in range(3000):
                 state = machine_link_step(state, params, machine, current_a, load, INERTIAS[link], 50e-6)
                 furthest = max(furthest, sign * (0.2 - state.q))
-            assert 0.0 < furthest <= BRAKES[link] - LIMITS.count_q[link]
+            assert 0.0 < furthest <= MOTION.brakes_q[link] - LIMITS.count_q[link]
 
 
 SAMPLES = st.builds(

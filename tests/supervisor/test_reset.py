@@ -7,7 +7,7 @@ from hydrohil.shared.contract.messages import Mode, TripCause
 from hydrohil.shared.transport.requests import Request
 from tests.supervisor.test_service import Scene
 from tests.support.supervisor_scene import sample
-from tests.support.wire_scene import header
+from tests.support.wire_scene import MACHINE_ID, header
 
 OVER = {"force_counts": 400}  # 540 N
 
@@ -27,11 +27,12 @@ class Tripped(Scene):
 
     def judge(self):
         run = self.bus.run
+        self.describe(self.supervisor.cell.description)
         self.number += 1
         changes = getattr(self, "sample_changes", {})
         head = header("plant/sample", self.number, run=run.run, experiment=run.experiment)
         self.supervisor.cell.sample = Received(0, "plant/sample", head, sample(self.number, **changes))
-        ready = SimpleNamespace(ready=1)
+        ready = SimpleNamespace(ready=1, machine_id=MACHINE_ID)
         self.supervisor.cell.controller = Received(0, "controller/state", head, ready)
         self.supervisor._judge(self.supervisor.cell.sample, 0)
 

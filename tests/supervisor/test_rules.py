@@ -5,19 +5,20 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 from scipy import stats
 
-from hydrohil.services.supervisor.machine import BRAKES, FULL_SPEED
 from hydrohil.services.supervisor.rule import GaugeObservation, Limits, MotionObservation, Observed, TransportObservation
 from hydrohil.services.supervisor.rules import RULES, first_broken, fold
 from hydrohil.shared.compiled.kernel import compiled
 from hydrohil.shared.contract.deadline_window import RANDOM_MISSES
 from hydrohil.shared.contract.messages import GateState, TripCause
+from hydrohil.shared.machine.unimate import UNIMATE
 from hydrohil.shared.trips.causes import TRIPS
 from tests.support.supervisor_scene import CONFIG, FINE, LIMITS, changed
 
 NAN, INF = math.nan, math.inf
 RAW, TARED = CONFIG.raw_force_limit_n, CONFIG.force_limit_n
 SPEED, FASTEST = CONFIG.joint_speed_limit_q_per_s, CONFIG.tip_speed_limit_m_per_s
-STEP = tuple(FULL_SPEED[i] * 0.0045 + LIMITS.count_q[i] * (1.0 + 1e-9) for i in range(4))
+BRAKES = UNIMATE.motion.brakes_q
+STEP = tuple(UNIMATE.motion.full_speed[i] * 0.0045 + LIMITS.count_q[i] * (1.0 + 1e-9) for i in range(4))
 LOW_Q, HIGH_Q = CONFIG.joint_low_q, CONFIG.joint_high_q
 LOW_M, HIGH_M = CONFIG.workspace_low_m, CONFIG.workspace_high_m
 first_broken_compiled = compiled(first_broken)

@@ -15,7 +15,7 @@ from hydrohil.shared.contract.messages import NO_TRIAL, Mode, SampleDropped, Tri
 from hydrohil.shared.host.qualified import UNKNOWN, Qualified, Standing
 from hydrohil.shared.transport.requests import Request
 from tests.support.supervisor_scene import DESCRIPTION, sample
-from tests.support.wire_scene import FakeBus, header, state_body
+from tests.support.wire_scene import MACHINE_ID, FakeBus, header, state_body
 
 
 class Scene:
@@ -24,16 +24,21 @@ class Scene:
     def __init__(self, known=UNKNOWN):
         self.bus, self.known = FakeBus(), known
         self.supervisor = Supervisor(self.bus, lambda: self.known)
-        self.supervisor.cell.describe(DESCRIPTION)
+        self.describe(DESCRIPTION)
         self.number = 0
         self.judge()
 
+    def describe(self, description):
+        head = header("plant/description", run=self.bus.run.run, experiment=self.bus.run.experiment)
+        self.supervisor.cell.describe(Received(0, "plant/description", head, description))
+
     def judge(self):
         run = self.bus.run
+        self.describe(self.supervisor.cell.description)
         self.number += 1
         head = header("plant/sample", self.number, run=run.run, experiment=run.experiment)
         self.supervisor.cell.sample = Received(0, "plant/sample", head, sample(self.number))
-        ready = type("Body", (), {"ready": 1})()
+        ready = type("Body", (), {"ready": 1, "machine_id": MACHINE_ID})()
         self.supervisor.cell.controller = Received(0, "controller/state", head, ready)
         self.supervisor._judge(self.supervisor.cell.sample, 0)
 
@@ -210,6 +215,7 @@ class Linked(Scene):
     def started(self):
         self.step()
         self.commit(self.load()[2])
+        self.describe(self.supervisor.cell.description)
         self.step()
         for verb in ("arm", "start"):
             self.supervisor.requests.answer(Request(verb, {}, lambda *answer: None))
@@ -444,6 +450,6 @@ def test_a_record_made_since_the_start_counts_from_the_next_load_on():
 def test_an_armed_cell_whose_plant_then_tells_a_faster_rate_is_disarmed():
     scene = Scene(qualified_for(DESCRIPTION.sample_period_ns))
     assert scene.armed()[0]
-    scene.supervisor.cell.describe(DESCRIPTION._replace(sample_period_ns=DESCRIPTION.sample_period_ns - 50_000))
+    scene.describe(DESCRIPTION._replace(sample_period_ns=DESCRIPTION.sample_period_ns - 50_000))
     scene.judge()
     assert scene.supervisor.memory.mode == Mode.DISARMED

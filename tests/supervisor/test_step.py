@@ -14,7 +14,8 @@ from hydrohil.services.supervisor.state import SupervisorMemory
 from hydrohil.services.supervisor.step import supervisor_step
 from hydrohil.shared.compiled.kernel import compiled
 from hydrohil.shared.contract.messages import NO_COMMAND, NO_TRIAL, GateCause, GateState, Mode, TripCause
-from hydrohil.shared.contract.pose import UNIMATE_GEOMETRY, forward, joint_positions
+from hydrohil.shared.contract.pose import forward, joint_positions
+from hydrohil.shared.machine.unimate import UNIMATE
 from tests.support.supervisor_scene import (
     BIAS,
     CONFIG,
@@ -292,7 +293,7 @@ def test_the_unloading_sign_moves_the_tip_the_way_the_environment_pushes(axis, s
     q, pitch_rad = joint_positions(params.observer.calibration, LEVEL)
     moved = tuple(a + 0.01 * b for a, b in zip(q, memory.recover_signs, strict=True))
     assert sum(map(abs, memory.recover_signs)) == 1
-    way_m = forward(UNIMATE_GEOMETRY, moved, pitch_rad)[axis] - forward(UNIMATE_GEOMETRY, q, pitch_rad)[axis]
+    way_m = forward(UNIMATE.geometry, moved, pitch_rad)[axis] - forward(UNIMATE.geometry, q, pitch_rad)[axis]
     assert way_m * sign > 0.004
 
 

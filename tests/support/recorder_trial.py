@@ -4,13 +4,7 @@ import math
 from collections.abc import Iterator
 
 from hydrohil.shared.contract.codec import WIRE_VERSION, Header, Received
-from hydrohil.shared.contract.converters import (
-    N_PER_FORCE_COUNT,
-    UNIMATE_CONVERTERS,
-    UNIMATE_ENCODERS,
-    UNIMATE_FORCE,
-    current_to_code,
-)
+from hydrohil.shared.contract.converters import current_to_code
 from hydrohil.shared.contract.messages import (
     NO_TRIAL,
     Command,
@@ -21,30 +15,20 @@ from hydrohil.shared.contract.messages import (
     GroundTruth,
     Mode,
     Permit,
-    PlantDescription,
     Sample,
     TripCause,
 )
 from hydrohil.shared.contract.topics import BY_KEY
+from hydrohil.shared.machine.description import machine_id
+from hydrohil.shared.machine.unimate import UNIMATE
+from tests.support.machines import description
 
 PERIOD_NS = 4_500_000
 TARE_TICKS = 444
 FIRST_NUMBER = 1000  # samples before it belong to no trial
 ARMING_ID, PLANT_EPOCH = 2**61 + 12345, 77
 SENDERS = {key: topic.publisher for key, topic in BY_KEY.items()}
-DESCRIPTION = PlantDescription(
-    machine="Unimate MKII-2000",
-    encoders=UNIMATE_ENCODERS,
-    force=UNIMATE_FORCE,
-    converters=UNIMATE_CONVERTERS,
-    sample_period_ns=PERIOD_NS,
-    latch_ns=3_600_000,
-    permit_ttl_ns=20_000_000,
-    command_ttl_ns=20_000_000,
-    gate_force_limit_n=420.0,
-    force_axis=2,
-    force_sign=1.0,
-)
+DESCRIPTION = description(force_axis=2, force_sign=1.0)
 
 
 def received(key: str, body: object, seq: int, echo: int = -1, arrival_ns: int = 0, epoch: int = PLANT_EPOCH) -> Received:
@@ -108,8 +92,8 @@ def _sample(i: int, tick: int, trip_tick: int) -> Iterator[Received]:
     )
     gate = GateState.REVOKED if tripped else GateState.OPEN if running else GateState.SHUT
     cause = GateCause.FORCE_ABOVE_LIMIT if tripped else GateCause.NONE if running else GateCause.NOT_RUNNING
-    dac = tuple(current_to_code(c) if gate == GateState.OPEN else 2048 for c in current)
-    counts = tuple(int((v - c.offset) / c.scale) for v, c in zip((*q, 0.0, -q[1]), UNIMATE_ENCODERS, strict=True))
+    dac = tuple(current_to_code(UNIMATE.drive, c) if gate == GateState.OPEN else 2048 for c in current)
+    counts = tuple(int((v - c.offset) / c.scale) for v, c in zip((*q, 0.0, -q[1]), UNIMATE.encoders, strict=True))
     late = 3 if i % 400 == 399 else 0
     age = 1_900_000 + int(500_000 * abs(math.sin(i))) + 2_500_000 * (late > 0)
     sample = Sample(
@@ -118,7 +102,7 @@ def _sample(i: int, tick: int, trip_tick: int) -> Iterator[Received]:
         tick=tick,
         trial_time_ns=tick * PERIOD_NS if tick != NO_TRIAL else 0,
         encoder_counts=counts,
-        force_counts=int((force + noise) / N_PER_FORCE_COUNT),
+        force_counts=int((force + noise) / UNIMATE.force.scale),
         dac_counts=dac,
         gate=gate,
         gate_cause=cause,
@@ -187,6 +171,7 @@ def _sample(i: int, tick: int, trip_tick: int) -> Iterator[Received]:
         boosted=tuple(int(abs(c) > 0.1) for c in current),
         clamped=int(abs(current[2]) > 0.135),
         ready=1,
+        machine_id=machine_id(DESCRIPTION.machine_hash),
         compute_ns=310_000 + int(60_000 * abs(math.sin(3.0 * i))),
     )
     yield received("controller/state", state, i, number, arrival + 900_000, epoch=6)

@@ -17,10 +17,11 @@ from hydrohil.services.plant.config import PlantConfig
 from hydrohil.services.supervisor.config import SupervisorConfig
 from hydrohil.shared.contract.codec import WIRE_VERSION, Header, Received, Rejected, crc, decode, encode
 from hydrohil.shared.contract.envelope import seal, section, unseal
-from hydrohil.shared.contract.messages import Ask
+from hydrohil.shared.contract.messages import Ask, PlantDescription
 from hydrohil.shared.contract.topics import ANSWER, ASK, BY_SCHEMA, Topic, expression
 from hydrohil.shared.transport.bus import Bus
 from hydrohil.thesis.library import find
+from tests.support.machines import description
 
 CELL, OTHER_CELL = "cell", "left"
 LONGEST_BURST = 32  # bits: every one shorter or as long is found by a CRC of 32 bits
@@ -46,6 +47,8 @@ def value_of(hint: Any, rng: random.Random) -> Any:
         return tuple(value_of(get_args(kind)[0], rng) for _ in range(length))
     if get_origin(hint) is tuple:
         return tuple(value_of(get_args(hint)[0], rng) for _ in range(rng.randrange(4)))
+    if hint is PlantDescription:  # one that can be used: of any other no frame is accepted
+        return description(period_ns=rng.randrange(1_000_000, 10_000_001), force_axis=rng.choice((0, 2)))
     if hasattr(hint, "_fields"):
         return hint(*(value_of(inner, rng) for inner in get_type_hints(hint, include_extras=True).values()))
     plain: dict[Any, Callable[[], Any]] = {

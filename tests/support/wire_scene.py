@@ -6,6 +6,8 @@ from types import SimpleNamespace
 from hydrohil.shared.contract.codec import WIRE_VERSION, Header, encode
 from hydrohil.shared.contract.messages import Ask, Command, ControllerState, Mode, Permit
 from hydrohil.shared.contract.topics import ASK, BY_KEY, expression
+from hydrohil.shared.machine.description import machine_hash, machine_id
+from hydrohil.shared.machine.unimate import UNIMATE
 from hydrohil.shared.transport.bus import Run
 from hydrohil.shared.transport.impairment_queue import idle
 from hydrohil.shared.transport.inbox import RING, Inbox
@@ -34,6 +36,9 @@ def header(key, seq=0, **changes):
     return header._replace(**changes)
 
 
+MACHINE_ID = machine_id(machine_hash(UNIMATE))
+
+
 def permit_body(mode=Mode.RUNNING, **changes):
     return Permit(
         mode=int(mode),
@@ -58,7 +63,7 @@ def state_body(number=0, **changes):
     links = (0.0, 0.0, 0.0)
     vectors = dict.fromkeys(("q", "q_set", "qd", "qd_set", "x_m", "x_set_m", "x_nominal_m", "current_a", "integral_a"), links)
     forces = dict.fromkeys(("force_n", "force_mean_n", "force_set_n", "force_bias_n"), 0.0)
-    counts = {"boosted": (0, 0, 0), "clamped": 0, "ready": 1, "compute_ns": 0}
+    counts = {"boosted": (0, 0, 0), "clamped": 0, "ready": 1, "machine_id": MACHINE_ID, "compute_ns": 0}
     return ControllerState(**{"number": number, "tick": 0} | vectors | forces | counts | changes)
 
 

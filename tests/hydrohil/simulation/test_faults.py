@@ -7,8 +7,8 @@ from hydrohil.services.controller.step import control_start
 from hydrohil.services.plant.noise import force_noise_n
 from hydrohil.services.plant.params import UNIMATE
 from hydrohil.services.plant.sensors import MASK, encoder_counts, gauge_counts
-from hydrohil.shared.contract.converters import MIN_FORCE_COUNTS, N_PER_FORCE_COUNT
 from hydrohil.shared.contract.faults import ENCODERS, ROWS, Fault, of_group, ticks_of
+from hydrohil.shared.machine import unimate
 from hydrohil.simulation.columns import columns
 from hydrohil.simulation.loop import begin, play
 from hydrohil.simulation.rollout import fault_table, play_local
@@ -111,15 +111,15 @@ def check_encoder(fault, readings, true, acting, tick, mask):
 
 def check_force(fault, readings, true, acting, tick):
     begun = (tick[acting] - FIRST + 1) * PERIOD_NS * 1e-9
-    off_n = (readings[acting] - true[acting]) * N_PER_FORCE_COUNT
-    near_n = 1.01 * N_PER_FORCE_COUNT  # each of both is floored
+    off_n = (readings[acting] - true[acting]) * unimate.UNIMATE.force.scale
+    near_n = 1.01 * unimate.UNIMATE.force.scale  # each of both is floored
     match fault.kind:
         case "stuck":
             assert (readings[acting] == readings[~acting][tick[~acting] < FIRST][-1]).all()
         case "garbage":
             assert (readings[acting] != true[acting]).all()
         case "dropout":
-            assert (readings[acting] == MIN_FORCE_COUNTS).all()
+            assert (readings[acting] == unimate.UNIMATE.force.low).all()
         case "offset":
             assert abs(off_n - fault.value).max() <= near_n
         case "drift":

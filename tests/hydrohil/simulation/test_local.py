@@ -12,8 +12,8 @@ from hydrohil.services.plant.emulator import Emulator
 from hydrohil.services.plant.noise import force_noise_n, sample_intervals
 from hydrohil.services.plant.params import UNIMATE, Environment
 from hydrohil.services.supervisor.config import SupervisorConfig
-from hydrohil.shared.contract.converters import N_PER_FORCE_COUNT
 from hydrohil.shared.contract.messages import GateCause, GateState, Mode, TripCause
+from hydrohil.shared.machine import unimate
 from hydrohil.simulation.columns import columns
 from hydrohil.simulation.loop import begin, play
 from hydrohil.simulation.rollout import SEGMENT_COLUMNS, play_local, rollout, setup
@@ -59,7 +59,7 @@ def pressed():
 def tared_n(outcome):
     """What the supervisor judged at every tick from 0 on."""
     counts = outcome.rows.force_counts[-outcome.first_tick :]
-    return counts * N_PER_FORCE_COUNT - outcome.supervisor.observer.bias.mean_n
+    return counts * unimate.UNIMATE.force.scale - outcome.supervisor.observer.bias.mean_n
 
 
 def test_the_tool_presses_and_the_trial_runs_to_its_declared_end(pressed):
@@ -74,7 +74,7 @@ def test_the_valves_are_shut_while_the_bias_is_taken(pressed):
     bias = slice(0, -pressed.first_tick)
     assert (pressed.rows.dac_counts[bias] == 2048).all()
     assert (pressed.rows.true_q[bias] == pressed.rows.true_q[0]).all()
-    force_n = pressed.rows.force_counts[bias] * N_PER_FORCE_COUNT
+    force_n = pressed.rows.force_counts[bias] * unimate.UNIMATE.force.scale
     assert pressed.supervisor.observer.bias.mean_n == pytest.approx(force_n.mean())
     assert pressed.supervisor.observer.bias.spread_n == pytest.approx(force_n.std(), rel=1e-6)
 
@@ -103,14 +103,14 @@ def test_a_force_limit_just_below_the_peak_trips_at_that_very_tick_and_one_at_th
 
 
 def test_a_raw_limit_below_the_first_reading_ends_the_trial_at_its_first_tick(pressed):
-    first_n = float(pressed.rows.force_counts[0] * N_PER_FORCE_COUNT)
+    first_n = float(pressed.rows.force_counts[0] * unimate.UNIMATE.force.scale)
     assert first_n > 0.0
     tripped = play_local(press(raw_force_limit_n=first_n / 2), 3)
     assert (len(tripped.rows.tick), tripped.supervisor.cause) == (1, TripCause.FORCE_RAW)
 
 
 def test_the_gate_cuts_by_itself_at_its_own_limit_and_the_supervisor_sees_it_one_sample_later(pressed):
-    raw_n = pressed.rows.force_counts * N_PER_FORCE_COUNT
+    raw_n = pressed.rows.force_counts * unimate.UNIMATE.force.scale
     limit_n = float(np.nextafter(raw_n.max(), 0.0))
     cut = play_local(press(), 3, GateLimits(force_limit_n=limit_n))
     assert cut.rows.tick[-1] == pressed.rows.tick[raw_n.argmax()] + 1

@@ -10,6 +10,7 @@ from hydrohil.shared.contract.columns import GROUND_TRUTH_FIGURES, column_names,
 from hydrohil.shared.contract.converters import ZERO_CODE, code_to_current
 from hydrohil.shared.contract.messages import Command, ControllerState, GroundTruth, Permit, Sample
 from hydrohil.shared.contract.topics import TOPICS, Topic
+from hydrohil.shared.machine.unimate import UNIMATE
 from tests.support.recorder_trial import DESCRIPTION, exact, received, trial
 
 ANY = received("controller/command", Command((2048,) * 3), 0).header
@@ -36,7 +37,7 @@ def test_arrays_are_named_by_their_own_length_so_that_another_machine_fits():
 def test_every_figure_finds_its_columns(message: type):
     m = first(message)
     names, matrix = column_names(m.body, m.header), flat_rows([m.body], [m.header.seq])
-    drawn = figures(message, DESCRIPTION.converters)
+    drawn = figures(message, DESCRIPTION.machine.converters)
     assert drawn
     for figure in drawn:
         values = figure_values(figure, names, matrix)
@@ -45,9 +46,9 @@ def test_every_figure_finds_its_columns(message: type):
 
 def test_the_valve_figure_shows_the_current_that_the_codes_drive():
     sample = first(Sample).body._replace(dac_counts=(ZERO_CODE, 3276, 820))
-    figure = figures(Sample, DESCRIPTION.converters)[0]
+    figure = figures(Sample, DESCRIPTION.machine.converters)[0]
     values = figure_values(figure, column_names(sample, ANY), flat_rows([sample], [0]))
-    expected = [0.0, 1e3 * code_to_current(3276), 1e3 * code_to_current(820)]
+    expected = [0.0, 1e3 * code_to_current(UNIMATE.drive, 3276), 1e3 * code_to_current(UNIMATE.drive, 820)]
     np.testing.assert_allclose(values, [expected], atol=1e-9)
 
 
