@@ -65,7 +65,7 @@ def faults(
             quick=quick,
             place=Place(cell, port),
             realtime=realtime,
-            permit_ttl_ms=permit_ttl_ms,
+            lease_ms=permit_ttl_ms,
             trips_folder=html.parent / "trips",
             report=bar.show,
         )

@@ -141,9 +141,9 @@ def _thawed(trial: Trial, before: Any, after: list[Any], longest: float, plant: 
     samples = after[0].body.number - before.body.number
     simulated_s = (after[0].body.time_ns - before.body.time_ns) / NS_PER_S
     overrun = plant.get("last_cut") == GateCause.OVERRUN.name
-    in_shared_cell = unsafe == 0 and overrun and simulated_s <= samples * longest
+    zero_and_in_step = unsafe == 0 and overrun and simulated_s <= samples * longest
     words = (
         f"{trial.words}; after thawing {unsafe} samples with current, cut {plant.get('last_cut')}, simulated time went on by "
         f"{1000.0 * simulated_s:.1f} ms in {samples} samples"
     )
-    return trial._replace(held=trial.held and in_shared_cell, words=words)
+    return trial._replace(held=trial.held and zero_and_in_step, words=words)

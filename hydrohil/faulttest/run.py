@@ -6,11 +6,12 @@ from datetime import datetime
 from pathlib import Path
 from typing import NamedTuple
 
+from hydrohil.cell.connection import service_options
 from hydrohil.cell.processes import Place
 from hydrohil.faulttest.execution import Execution, Settings, total
 from hydrohil.faulttest.matrix import find_rows
 from hydrohil.faulttest.report import Report
-from hydrohil.faulttest.rig import Extra, Rig, lockstep_extra
+from hydrohil.faulttest.rig import Rig, lockstep_extra
 from hydrohil.faulttest.trial import Trial
 from hydrohil.reproduction.report import machine
 from hydrohil.shared.compiled.kernel import source_version
@@ -37,14 +38,14 @@ def run_fault_tests(
     quick: bool = False,
     place: Place = PLACE,
     realtime: bool = True,
-    permit_ttl_ms: float | None = None,
+    lease_ms: float | None = None,
     trips_folder: str | Path = TRIPS,
     report: Callable[[FaultTestProgress], None] = lambda _: None,
 ) -> Report:
     """Try the rows of these numbers ("1", "5b"; none: all of them), each as often as it needs and at most `trials` times.
 
     `quick` leaves out what takes the wall clock. Cells of its own are brought up at `place` and beside it, with a lease of
-    `permit_ttl_ms` (None: chosen from this host's lateness), and ended. Trip reports of these cells go to `trips_folder`.
+    `lease_ms` (None: chosen from this host's lateness), and ended. Trip reports of these cells go to `trips_folder`.
     `seed` decides phases, noise and jitter.
 
     Raises UnknownRowError before anything is started. A KeyboardInterrupt ends the test: the report says `interrupted` and holds
@@ -53,7 +54,7 @@ def run_fault_tests(
     chosen, settings = find_rows(rows), Settings(trials, seed, quick)
     began, created_at = time.perf_counter(), datetime.now().astimezone().isoformat(" ", "seconds")
     restarted: list[str] = []
-    extra = _options(permit_ttl_ms, realtime=realtime) | {"recorder": ["--trips", str(trips_folder)]}
+    extra = service_options(lease_ms, realtime=realtime) | {"recorder": ["--trips", str(trips_folder)]}
     beside = place._replace(cell=f"{place.cell}-lockstep", port=place.port + LOCKSTEP_PORTS)
     rig = Rig(place, extra, restarted.append)
     rigs = {"L": Rig(beside, lockstep_extra(extra), restarted.append), "W": rig}
@@ -75,13 +76,6 @@ def run_fault_tests(
         machine=machine(),
         restarted=tuple(restarted),
     )
-
-
-def _options(permit_ttl_ms: float | None, *, realtime: bool) -> Extra:
-    """Options of each service."""
-    common = [] if realtime else ["--no-realtime"]
-    lease = [] if permit_ttl_ms is None else ["--permit-ttl-ms", str(permit_ttl_ms)]
-    return {"plant": common + lease, "controller": common, "supervisor": common}
 
 
 def _counted(trials: int, report: Callable[[FaultTestProgress], None]) -> Callable[[str, Trial | None], None]:
