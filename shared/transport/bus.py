@@ -28,7 +28,7 @@ from hydrohil.shared.contract.topics import ANSWER, ASK, BY_KEY, Topic, expressi
 from hydrohil.shared.errors import HydrohilError
 from hydrohil.shared.exit_status import EXIT_TRANSPORT
 from hydrohil.shared.transport.endpoints import HERE, LISTENERS, Network, address, configuration, listener, router_configuration
-from hydrohil.shared.transport.impairment_queue import Conditions, idle
+from hydrohil.shared.transport.impairment_conditions import Conditions, idle
 from hydrohil.shared.transport.inbox import RING, Inbox
 from hydrohil.shared.transport.requests import REPEATABLE, TO, Request, Requests
 from hydrohil.shared.transport.step_lock import StepLock

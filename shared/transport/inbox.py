@@ -9,7 +9,8 @@ from hydrohil.shared.contract.codec import Received, Rejected, decode
 from hydrohil.shared.contract.messages import NO_COMMAND
 from hydrohil.shared.contract.topics import Topic, expression
 from hydrohil.shared.transport.acceptance import Acceptance
-from hydrohil.shared.transport.impairment_queue import FOREVER_NS, Conditions, ImpairedSample, ImpairmentQueue
+from hydrohil.shared.transport.impairment_conditions import Conditions
+from hydrohil.shared.transport.impairment_queue import FOREVER_NS, ImpairedSample, ImpairmentQueue
 from hydrohil.shared.transport.protection import Protection, ProtectionLimits
 
 RING = 64  # frames kept for one step; a ring of one would let a foreign frame push out a valid one

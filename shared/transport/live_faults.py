@@ -7,7 +7,7 @@ from hydrohil.shared.contract.envelope import Envelope, one_fault
 from hydrohil.shared.contract.faults import MOST_DELAY_MS, MOST_FAULTS, Fault, delay_ms, problem, row_of
 from hydrohil.shared.transport.bus import Bus
 from hydrohil.shared.transport.impairment import paths_of
-from hydrohil.shared.transport.impairment_queue import Conditions, conditions_of
+from hydrohil.shared.transport.impairment_conditions import Conditions, conditions_of
 from hydrohil.shared.transport.requests import Request
 from hydrohil.shared.units import NS_PER_S
 

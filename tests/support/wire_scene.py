@@ -9,7 +9,7 @@ from hydrohil.shared.contract.topics import ASK, BY_KEY, expression
 from hydrohil.shared.machine.description import machine_hash, machine_id
 from hydrohil.shared.machine.unimate import UNIMATE
 from hydrohil.shared.transport.bus import Run
-from hydrohil.shared.transport.impairment_queue import idle
+from hydrohil.shared.transport.impairment_conditions import idle
 from hydrohil.shared.transport.inbox import RING, Inbox
 from hydrohil.shared.transport.requests import Requests
 

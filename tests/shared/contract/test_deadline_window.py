@@ -2,7 +2,7 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from hydrohil.shared.compiled.kernel import compiled
-from hydrohil.shared.contract.deadline_window import WINDOW, DeadlineWindow, deadline_window_step, quality
+from hydrohil.shared.contract.deadline_window import WINDOW, DeadlineWindow, deadline_window_step, missed_limit, quality
 
 step_compiled = compiled(deadline_window_step)
 
@@ -41,6 +41,10 @@ def test_misses_in_a_row_are_counted_until_an_answer_is_in_time():
 
 def test_quality_is_the_share_answered_in_time():
     assert [quality(missed) for missed in (0, 1, 21, 100)] == [1.0, 0.99, 0.79, 0.0]
+
+
+def test_the_limit_is_one_outage_of_a_lease_and_sixteen_random_misses():
+    assert [missed_limit(lease_samples) for lease_samples in (0, 4, 20)] == [17, 21, 37]
 
 
 @settings(deadline=None)

@@ -8,7 +8,7 @@ import pytest
 from hydrohil.shared.contract.faults import Fault
 from hydrohil.shared.contract.topics import BY_KEY
 from hydrohil.shared.transport.bus import Bus
-from hydrohil.shared.transport.impairment_queue import Conditions
+from hydrohil.shared.transport.impairment_conditions import Conditions
 from hydrohil.shared.transport.inbox import RING, Inbox
 from hydrohil.shared.transport.step_lock import StepLock
 from tests.support.wire_scene import CELL, EPOCHS, Query, state_body

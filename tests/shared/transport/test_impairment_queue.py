@@ -7,7 +7,8 @@ from hydrohil.shared.contract.envelope import seal, unseal
 from hydrohil.shared.contract.faults import Fault
 from hydrohil.shared.contract.messages import NO_TRIAL
 from hydrohil.shared.contract.topics import BY_KEY, expression
-from hydrohil.shared.transport.impairment_queue import FOREVER_NS, Conditions, conditions_of, idle
+from hydrohil.shared.transport.impairment_conditions import Conditions, conditions_of, idle
+from hydrohil.shared.transport.impairment_queue import FOREVER_NS
 from hydrohil.shared.transport.inbox import RING, Inbox
 from hydrohil.shared.units import SUBSTEP_NS
 from tests.support.supervisor_scene import sample

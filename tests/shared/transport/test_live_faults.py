@@ -5,7 +5,7 @@ import pytest
 from hydrohil.shared.contract.envelope import seal, unseal
 from hydrohil.shared.contract.faults import MOST_FAULTS
 from hydrohil.shared.contract.topics import BY_KEY
-from hydrohil.shared.transport.impairment_queue import Conditions
+from hydrohil.shared.transport.impairment_conditions import Conditions
 from hydrohil.shared.transport.live_faults import LiveFaults
 from hydrohil.shared.transport.requests import Request
 from tests.support.wire_scene import FakeBus
