@@ -2,7 +2,6 @@
 
 import json
 import os
-import tomllib
 from pathlib import Path
 from typing import Any
 
@@ -11,11 +10,12 @@ from pydantic import ConfigDict, TypeAdapter, ValidationError
 from hydrohil.campaign.axis import axis_problems, distribution
 from hydrohil.campaign.borders import border_problems
 from hydrohil.campaign.campaign import FIXED, Campaign, Plan, columns_of, file_of
-from hydrohil.experiment.errors import ExperimentError, from_validation, unreadable
-from hydrohil.experiment.experiment import Experiment, from_plain, from_toml, to_plain
+from hydrohil.experiment.errors import ExperimentError, from_validation
+from hydrohil.experiment.experiment import Experiment, from_plain, to_plain
 from hydrohil.experiment.overrides import assign
+from hydrohil.experiment.toml_files import table_of
 from hydrohil.shared.contract.assignments import nearest
-from hydrohil.thesis.library import find
+from hydrohil.thesis.library import load
 
 SHIPPED = Path(__file__).resolve().parent
 _ADAPTER: TypeAdapter[Campaign] = TypeAdapter(Campaign, config=ConfigDict(allow_inf_nan=False))
@@ -39,13 +39,7 @@ def find_campaign(name: str) -> Plan:
 
 def read(path: Path) -> Plan:
     """Read and validate a campaign and its experiment. Raises ExperimentError."""
-    try:
-        plain = tomllib.loads(path.read_text(encoding="utf-8"))
-    except (OSError, UnicodeDecodeError) as reason:
-        raise unreadable(path, reason) from None
-    except (tomllib.TOMLDecodeError, RecursionError) as reason:
-        raise ExperimentError([f"{path}: is no TOML: {reason}; correct the syntax there"]) from None
-    return from_table(plain, path)
+    return from_table(table_of(path), path)
 
 
 def from_table(plain: dict[str, Any], path: Path) -> Plan:
@@ -64,7 +58,7 @@ def from_table(plain: dict[str, Any], path: Path) -> Plan:
     if found:
         raise ExperimentError(found)
     file = file_of(campaign, path)
-    return Plan(campaign, _base(campaign, find(campaign.experiment) if file is None else from_toml(file), path), path)
+    return Plan(campaign, _base(campaign, load(file or campaign.experiment), path), path)
 
 
 def _base(campaign: Campaign, experiment: Experiment, path: Path) -> Experiment:

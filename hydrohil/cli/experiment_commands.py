@@ -33,22 +33,27 @@ _RUNS = Path("runs")
 
 
 @app.command("list", rich_help_panel=EXPERIMENTS)
-def list_experiments(as_json: AsJson = False) -> None:
-    """List the experiments that ship, and the figures that are computed."""
+def list_experiments(
+    words: Annotated[list[str] | None, typer.Argument(metavar="[FILTER]...", help="Those whose line has every word.")] = None,
+    as_json: AsJson = False,
+) -> None:
+    """List the experiments that ship, and the figures that are computed.
+
+    Examples: `hydrohil list`, `hydrohil list sine`, `hydrohil list plate force --json`
+    """
     from rich.table import Table
 
-    from hydrohil.experiment.experiment import Experiment
     from hydrohil.reproduction.plan import figures
-    from hydrohil.thesis.library import catalogue
 
+    found = [figure for figure in figures() if figure.has(words or ())]
     if as_json:
-        experiments = [{"name": e.name, "alias": e.alias, "title": e.title, "claims": len(e.claims)} for e in catalogue()]
-        computed = [{"name": f.name, "alias": f.subject.alias, "title": f.subject.title} for f in figures() if f.computed]
-        print(json.dumps(experiments + [entry | {"computed": True} for entry in computed], indent=2))
+        print(json.dumps([figure.summary() for figure in found], indent=2))
         return
+    if not found:
+        raise fail(f"no experiment has {' and '.join(map(repr, words or ()))} in its line: `hydrohil list` shows all", EXIT_USAGE)
     table = Table("name", "alias", "title", "claims")
-    for figure in figures():
-        claims = str(len(figure.subject.claims)) if isinstance(figure.subject, Experiment) else "computed"
+    for figure in found:
+        claims = "computed" if figure.computed else str(figure.summary()["claims"])
         table.add_row(", ".join((figure.name, *figure.also)), figure.subject.alias, figure.subject.title, claims)
     console.print(table)
 
@@ -57,18 +62,28 @@ def list_experiments(as_json: AsJson = False) -> None:
 def show(
     name: Annotated[str, typer.Argument(help="Name, alias, or a TOML file.")],
     toml: Annotated[bool, typer.Option("--toml", help="Print the whole experiment, every default spelled out.")] = False,
+    as_json: Annotated[bool, typer.Option("--json", help="Print the same as JSON.")] = False,
+    as_schema: Annotated[bool, typer.Option("--schema", help="Print the JSON Schema of what --json prints.")] = False,
     settings: Settings = None,
 ) -> None:
-    """Show an experiment; `--toml` prints a file that runs.
+    """Show an experiment; `--toml` prints a file that runs, with the unit and the bounds of each value.
 
-    Example: `hydrohil show fig-4-25 --toml > mine.toml; hydrohil run mine.toml`
+    Examples: `hydrohil show fig-4-25`, `hydrohil show fig-4-25 --toml > mine.toml; hydrohil run mine.toml`,
+    `hydrohil show fig-5-5 --json`, `hydrohil show fig-5-5 --schema`
     """
     from hydrohil.claims.claims import band
-    from hydrohil.experiment.experiment import to_toml, warnings
+    from hydrohil.experiment.commented import commented_toml
+    from hydrohil.experiment.experiment import to_plain, warnings
+    from hydrohil.experiment.json_schema import experiment_schema
 
+    if toml + as_json + as_schema > 1:
+        raise fail("--toml, --json and --schema exclude each other: give one", EXIT_USAGE)
     experiment = experiment_of(name, settings)
     if toml:
-        sys.stdout.write(to_toml(experiment))
+        sys.stdout.write(commented_toml(experiment))
+        return
+    if as_json or as_schema:
+        print(json.dumps(experiment_schema() if as_schema else to_plain(experiment), indent=2))
         return
     console.print(f"[bold]{experiment.name}[/] ({experiment.alias}): {experiment.title}\n{experiment.source}", highlight=False)
     console.print(f"{experiment.duration_s:g} s, law {experiment.controller.law}, target {experiment.controller.target}")

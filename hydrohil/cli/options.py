@@ -71,8 +71,13 @@ def place_of(cell: str, port: int, hosts: str, router: str) -> "Place":
 
 
 def make_folders(*files: Path | None) -> None:
-    """Make the folder of every file that a command will write; exit 2 where that, or a file there, is impossible."""
+    """Make the folder of every file that a command will write; exit 2 where that, or a file there, is impossible.
+
+    Only in the working folder: elsewhere a folder that is missing is more likely a path that was mistyped.
+    """
     for path in files:
+        if path is not None and not path.parent.exists() and not path.resolve().is_relative_to(Path.cwd().resolve()):
+            raise fail(f"{path}: its folder does not exist: make it, or name a file in the working folder", EXIT_USAGE)
         try:
             if path is not None:
                 path.parent.mkdir(parents=True, exist_ok=True)

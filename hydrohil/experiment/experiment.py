@@ -2,9 +2,7 @@
 
 import hashlib
 import json
-import tomllib
-from collections.abc import Callable, Iterable, Mapping, Sequence
-from pathlib import Path
+from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 from typing import Annotated, Any, NamedTuple
 
 import tomli_w
@@ -12,8 +10,9 @@ from annotated_types import Interval
 from pydantic import ConfigDict, StringConstraints, TypeAdapter, ValidationError
 
 from hydrohil.claims.claims import Claim, problems
-from hydrohil.experiment.errors import ExperimentError, from_validation, unreadable
+from hydrohil.experiment.errors import ExperimentError, from_validation
 from hydrohil.experiment.fault_lines import fault_of
+from hydrohil.experiment.unusual import unusual
 from hydrohil.services.controller.checks import check
 from hydrohil.services.controller.config import Changes, ControllerConfig, Reference
 from hydrohil.services.controller.contact_environment import ContactEnvironment, contact_environment
@@ -30,6 +29,7 @@ from hydrohil.shared.units import SUBSTEP_NS
 
 Name = Annotated[str, StringConstraints(pattern=r"^[a-z0-9]+(-[a-z0-9]+)*$")]
 MAX_DURATION_S = 3600.0
+_FREELY_CHOSEN = ("plant.environment.", "controller.impedance.mass_kg")
 
 
 class Experiment(NamedTuple):
@@ -183,19 +183,16 @@ def _acting(experiment: Experiment) -> tuple[ControllerConfig, ...]:
 def warnings(experiment: Experiment) -> tuple[str, ...]:
     """What an operator should know before it runs, one line a warning; none of them keeps it from running."""
     met = contact_environment(to_plain(experiment.plant))
-    return tuple(dict.fromkeys(line for config in _acting(experiment) for line in preflight(config, met)))
+    found = [line for config in _acting(experiment) for line in preflight(config, met)]
+    return tuple(dict.fromkeys((*found, *_unusual_values(experiment))))
 
 
-def from_toml(path: Path) -> Experiment:
-    """Read and validate an experiment. Raises ExperimentError if it is missing, no TOML, or not an experiment."""
-    try:
-        text = path.read_text(encoding="utf-8")
-    except (OSError, UnicodeDecodeError) as reason:
-        raise unreadable(path, reason) from None
-    try:
-        return from_plain(tomllib.loads(text), str(path))
-    except (tomllib.TOMLDecodeError, RecursionError) as reason:
-        raise ExperimentError([f"{path}: is no TOML: {reason}; correct the syntax there"]) from None
+def _unusual_values(experiment: Experiment) -> Iterator[str]:
+    """Values ten or more times their default, except those that are chosen freely over orders of magnitude."""
+    usual = Experiment(name="", alias="", title="", source="", duration_s=0.0)
+    for path, value, default in unusual(to_plain(experiment), to_plain(usual)):
+        if not path.startswith(_FREELY_CHOSEN):
+            yield f"{path} is {value:g}, its default {default:g}: check its unit"
 
 
 def to_toml(experiment: Experiment) -> str:

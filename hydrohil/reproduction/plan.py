@@ -3,7 +3,7 @@
 import re
 from collections.abc import Iterable, Sequence
 from functools import cache
-from typing import NamedTuple
+from typing import Any, NamedTuple
 
 from hydrohil.claims.pairs import PairClaim
 from hydrohil.claims.study import Study
@@ -41,6 +41,16 @@ class Figure(NamedTuple):
     def computed(self) -> bool:
         """Whether it is a study of other trials, or of none."""
         return isinstance(self.subject, Study)
+
+    def has(self, words: Iterable[str]) -> bool:
+        """Whether names, title and chapter together hold every one of `words`, in any case of the letters."""
+        line = " ".join((*self.names, self.subject.title, CHAPTERS[self.chapter])).casefold()
+        return all(word.casefold() in line for word in words)
+
+    def summary(self) -> dict[str, Any]:
+        """What `hydrohil list --json` prints of it: `claims` of a trial, `computed` of a figure that is none."""
+        about = {"name": self.name, "alias": self.subject.alias, "title": self.subject.title}
+        return about | ({"computed": True} if isinstance(self.subject, Study) else {"claims": len(self.subject.claims)})
 
     @property
     def pairs(self) -> tuple[PairClaim, ...]:

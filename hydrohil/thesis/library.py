@@ -6,7 +6,8 @@ from pathlib import Path
 
 from hydrohil.claims.pairs import PairClaim
 from hydrohil.experiment.errors import ExperimentError
-from hydrohil.experiment.experiment import Experiment, from_toml
+from hydrohil.experiment.experiment import Experiment
+from hydrohil.experiment.toml_files import from_toml
 from hydrohil.shared.contract.assignments import nearest
 from hydrohil.thesis import appendix, beyond_impedance, beyond_position, beyond_stiffness, chapter4, chapter5, chapter6, chapter7
 
@@ -51,4 +52,4 @@ def load(name: str | Path) -> Experiment:
     experiment. `catalogue` lists what ships.
     """
     is_file = isinstance(name, Path) or name.endswith(".toml") or os.sep in name
-    return from_toml(Path(name)) if is_file else find(str(name))
+    return from_toml(Path(name), find) if is_file else find(str(name))

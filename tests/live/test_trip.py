@@ -5,12 +5,12 @@ from pathlib import Path
 
 import pytest
 
-from hydrohil.experiment.experiment import from_toml
 from hydrohil.services.supervisor.config import JointHighLimits
 from hydrohil.shared.contract.messages import Mode
 from hydrohil.shared.trips.files import read, reports
 from hydrohil.simulation.rollout import play_local
 from hydrohil.simulation.trip_local import local_report
+from hydrohil.thesis.library import load
 from tests.support.live_cell import Cell, ended, swing, until
 
 pytestmark = pytest.mark.live
@@ -41,7 +41,7 @@ def unloaded(cell: Cell) -> None:
 
 def test_a_trip_in_lockstep_is_reported_exactly_twice_if_it_happens_twice_and_without_a_recorder_too(cell: Cell, tmp_path: Path):
     report = tripped(cell, tmp_path)
-    experiment = from_toml(Path(swing(tmp_path)))
+    experiment = load(Path(swing(tmp_path)))
     tight = experiment.supervisor._replace(joint_high_q=JointHighLimits(1.0, 0.05, 1.0))
     outcome = play_local(experiment._replace(supervisor=tight), 0)
     assert outcome.supervisor.mode == Mode.TRIPPED

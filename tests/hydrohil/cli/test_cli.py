@@ -12,10 +12,11 @@ from typer.testing import CliRunner, Result
 from hydrohil.claims.trace import Trace
 from hydrohil.claims.trace_files import read_trace
 from hydrohil.cli.main import app
-from hydrohil.experiment.experiment import from_toml, warnings
+from hydrohil.cli.options import make_folders
+from hydrohil.experiment.experiment import to_plain, warnings
 from hydrohil.reproduction.studies import STUDIES
 from hydrohil.shared.contract.messages import Mode
-from hydrohil.thesis.library import catalogue, find
+from hydrohil.thesis.library import catalogue, find, load
 
 EXPERIMENT = "fig-4-25"
 LOCAL = ("--clock", "local")
@@ -26,10 +27,42 @@ def hydrohil(*arguments: str) -> Result:
     return CliRunner().invoke(app, list(arguments))
 
 
+def test_list_keeps_what_has_every_word():
+    names = [entry["name"] for entry in json.loads(hydrohil("list", "static", "PLATE", "--json").stdout)]
+    assert "fig-5-5" in names and "fig-4-25" not in names
+    run = hydrohil("list", "no-such-thing")
+    assert run.exit_code == 2 and "no-such-thing" in run.stderr
+
+
+def test_show_prints_json_and_its_schema():
+    assert json.loads(hydrohil("show", EXPERIMENT, "--json").stdout) == to_plain(find(EXPERIMENT))
+    assert json.loads(hydrohil("show", EXPERIMENT, "--schema").stdout)["properties"]["duration_s"]["unit"] == "s"
+    assert hydrohil("show", EXPERIMENT, "--json", "--toml").exit_code == 2
+
+
+def test_a_file_in_a_missing_folder_elsewhere_is_refused_and_one_in_the_working_folder_makes_it(tmp_path, monkeypatch):
+    work = tmp_path / "work"
+    work.mkdir()
+    monkeypatch.chdir(work)
+    run = hydrohil("run", EXPERIMENT, "--clock", "local", "--json", str(tmp_path / "mistyped" / "report.json"))
+    assert run.exit_code == 2 and "does not exist" in run.stderr and not (tmp_path / "mistyped").exists()
+    make_folders(Path("made") / "here" / "report.json")
+    assert (work / "made" / "here").is_dir()
+
+
+def test_a_gain_in_the_units_of_the_thesis_is_warned_of_with_both_numbers():
+    run = hydrohil("show", EXPERIMENT, "--set", "controller.gains.down_up.kp_a_per_rad=215")
+    assert "controller.gains.down_up.kp_a_per_rad is 215, its default 12.3" in run.stdout
+
+
+def test_no_experiment_that_ships_is_warned_of_for_its_values():
+    assert not [e.name for e in catalogue() for line in warnings(e) if "its default" in line]
+
+
 def test_list_names_every_experiment():
     listed = json.loads(hydrohil("list", "--json").stdout)
     trials = [entry["name"] for entry in listed if not entry.get("computed")]
-    assert trials == [experiment.name for experiment in catalogue()]
+    assert sorted(trials) == sorted(experiment.name for experiment in catalogue())
     assert {entry["name"] for entry in listed if entry.get("computed")} == {study.name for study in STUDIES}
     assert all(name in hydrohil("list").stdout for name in ("fig-4-2", "fig-5-14"))
 
@@ -54,7 +87,7 @@ def test_what_show_prints_as_toml_is_the_experiment_and_runs(tmp_path: Path):
     tomllib.loads(printed)
     mine = tmp_path / "mine.toml"
     mine.write_text(printed)
-    assert from_toml(mine) == find(EXPERIMENT)
+    assert load(mine) == find(EXPERIMENT)
     assert hydrohil("run", str(mine), *LOCAL).exit_code == 0
 
 
@@ -77,8 +110,9 @@ def test_a_trip_ends_with_3_and_names_rule_number_and_limit(tmp_path: Path, monk
     assert "contact force reached 5" in run.stdout and "N against its limit of 50.0 N" in run.stdout
 
 
-def test_the_report_holds_every_claim_with_its_number(tmp_path: Path):
-    file = tmp_path / "new" / "r.json"
+def test_the_report_holds_every_claim_with_its_number(tmp_path: Path, monkeypatch):
+    monkeypatch.chdir(tmp_path)
+    file = Path("new") / "r.json"
     hydrohil("run", EXPERIMENT, *LOCAL, "--seed", "3", "--json", str(file))
     told = json.loads(file.read_text())
     assert (told["experiment"], told["clock"], told["seed"], told["exit_status"]) == (EXPERIMENT, "local", 3, 0)

@@ -8,9 +8,8 @@ from typer.testing import CliRunner, Result
 
 from hydrohil.cli.main import app
 from hydrohil.cli.tune_report import cell
-from hydrohil.experiment.experiment import from_toml
 from hydrohil.shared.units import A_PER_RAD_PER_MA_PER_DEG
-from hydrohil.thesis.library import find
+from hydrohil.thesis.library import find, load
 
 STUCK = ("--set", "plant.machine.down_up.breakaway_nm=9000.0")  # twice what the actuator can
 
@@ -58,7 +57,7 @@ def test_the_tuned_gains_track_the_fastest_ramp_no_worse_than_table_2(tuned):
 
 
 def test_the_written_experiment_has_the_tuned_gains_and_runs(tuned):
-    mine, given = from_toml(tuned[2]), find("fig-4-25")
+    mine, given = load(tuned[2]), find("fig-4-25")
     kp = mine.controller.gains[1].kp_a_per_q / A_PER_RAD_PER_MA_PER_DEG
     assert kp == pytest.approx(compared(tuned)["K_P"]["tuned"])
     assert mine.controller.gains[0] == given.controller.gains[0] and mine.plant == given.plant

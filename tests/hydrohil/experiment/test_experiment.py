@@ -14,14 +14,13 @@ from hydrohil.experiment.experiment import (
     experiment_hash,
     from_bytes,
     from_plain,
-    from_toml,
     to_bytes,
     to_plain,
     to_toml,
 )
 from hydrohil.services.controller.config import ControllerConfig, Segment
 from hydrohil.services.controller.params import OUT_IN_GAINS, UNIMATE_GAINS
-from hydrohil.thesis.library import catalogue
+from hydrohil.thesis.library import catalogue, load
 
 CLAIM = Claim(
     "it follows",
@@ -53,7 +52,7 @@ def written(tmp_path, text):
 
 
 def test_an_experiment_survives_toml_exactly(tmp_path):
-    again = from_toml(written(tmp_path, to_toml(EXPERIMENT)))
+    again = load(written(tmp_path, to_toml(EXPERIMENT)))
     assert again == EXPERIMENT
     assert to_bytes(again) == to_bytes(EXPERIMENT)
 
@@ -102,12 +101,12 @@ def test_the_bytes_are_canonical():
 
 def test_a_missing_file_is_named(tmp_path):
     with pytest.raises(ExperimentError, match=r"nowhere\.toml: cannot be read .*: give the path of a TOML file"):
-        from_toml(tmp_path / "nowhere.toml")
+        load(tmp_path / "nowhere.toml")
 
 
 def test_bad_syntax_is_named_with_its_line(tmp_path):
     with pytest.raises(ExperimentError, match=r"trial\.toml: is no TOML: .*line 2.*; correct"):
-        from_toml(written(tmp_path, 'name = "a"\nalias = \n'))
+        load(written(tmp_path, 'name = "a"\nalias = \n'))
 
 
 def test_bytes_that_are_no_json_are_refused():
@@ -190,7 +189,7 @@ def test_a_missing_field_is_named():
 
 def test_a_date_is_no_value(tmp_path):
     with pytest.raises(ExperimentError, match=r"trial\.toml: .*use text, numbers"):
-        from_toml(written(tmp_path, "name = 2020-01-01\n"))
+        load(written(tmp_path, "name = 2020-01-01\n"))
 
 
 def test_every_problem_has_its_own_line():
@@ -217,4 +216,4 @@ def test_an_experiment_nested_without_end_is_refused_in_words(nested, tmp_path):
     deep = tmp_path / "deep.toml"
     deep.write_text("a = " + "[" * 100_000)
     with pytest.raises(ExperimentError, match="is no TOML"):
-        from_toml(deep)
+        load(deep)

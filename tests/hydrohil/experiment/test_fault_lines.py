@@ -1,11 +1,11 @@
 import pytest
 
 from hydrohil.experiment.errors import ExperimentError
-from hydrohil.experiment.experiment import from_plain, from_toml, to_plain, to_toml
+from hydrohil.experiment.experiment import from_plain, to_plain, to_toml
 from hydrohil.experiment.fault_lines import fault_of
 from hydrohil.experiment.overrides import with_overrides
 from hydrohil.shared.contract.faults import Fault
-from hydrohil.thesis.library import find
+from hydrohil.thesis.library import find, load
 
 EXPERIMENT = find("fig-4-25")
 
@@ -60,9 +60,9 @@ def test_a_file_that_leaves_a_value_out_is_refused_as_the_command_line_is(tmp_pa
     path = tmp_path / "broken.toml"
     path.write_text(written.replace("faults = []\n", ""))
     with pytest.raises(ExperimentError, match=r"broken.toml: faults.0: value of drop is missing, expected 0..1 share"):
-        from_toml(path)
+        load(path)
     path.write_text(path.read_text() + "value = 0.0\n")
-    assert from_toml(path).faults == (Fault("drop", "supply", 1.0),)
+    assert load(path).faults == (Fault("drop", "supply", 1.0),)
 
 
 def test_a_fault_after_the_trials_end_is_refused_with_its_time_and_the_trials():

@@ -3,8 +3,8 @@ import pytest
 from hydrohil.claims.claims import problems
 from hydrohil.claims.pairs import pair_problems
 from hydrohil.experiment.errors import ExperimentError
-from hydrohil.experiment.experiment import checked, from_bytes, from_toml, to_bytes, to_toml
-from hydrohil.thesis.library import catalogue, find, pairs
+from hydrohil.experiment.experiment import checked, from_bytes, to_bytes, to_toml
+from hydrohil.thesis.library import catalogue, find, load, pairs
 
 
 @pytest.mark.parametrize("experiment", catalogue(), ids=lambda experiment: experiment.name)
@@ -12,7 +12,7 @@ def test_every_experiment_is_valid_and_survives_toml_and_bytes(experiment, tmp_p
     assert checked(experiment, experiment.name) is experiment
     path = tmp_path / "trial.toml"
     path.write_text(to_toml(experiment), encoding="utf-8")
-    assert from_toml(path) == experiment
+    assert load(path) == experiment
     assert to_bytes(from_bytes(to_bytes(experiment))) == to_bytes(experiment)
 
 
