@@ -13,8 +13,8 @@ from annotated_types import GroupedMetadata
 
 from hydrohil.experiment.errors import unit_of
 from hydrohil.experiment.experiment import Experiment
-from hydrohil.shared.contract.faults import LINKS
 from hydrohil.shared.contract.link_units import written_name
+from hydrohil.shared.machine.description import LINKS
 
 Schema = dict[str, Any]
 DIALECT = "https://json-schema.org/draft/2020-12/schema"
