@@ -1,5 +1,6 @@
 """Every field that an experiment may have, from the types of its sections: path, type, bounds, default, meaning."""
 
+import ast
 import inspect
 import re
 from collections.abc import Iterator
@@ -27,7 +28,7 @@ class Field(NamedTuple):
 
 def fields(kind: Any, path: str = "", given: Any = None) -> Iterator[Field]:
     """Every field of a section, and of the sections in it; `given` has its defaults where a section that holds it names them."""
-    hints, comments = get_type_hints(kind, include_extras=True), _comments(kind)
+    hints, comments = get_type_hints(kind, include_extras=True), comments_of(kind)
     defaults = given._asdict() if isinstance(given, kind) else kind._field_defaults
     alike = hasattr(hints.get(LINKS[0]), "_fields") and len({hints.get(link) for link in LINKS}) == 1
     for name in kind._fields:
@@ -90,10 +91,21 @@ def _short(default: Any) -> str:
     return "[" + ", ".join(map(_short, default)) + "]" if isinstance(default, tuple) else str(default)
 
 
-def _comments(kind: Any) -> dict[str, str]:
+def comments_of(kind: Any) -> dict[str, str]:
     """The comment beside each field in the source."""
     try:
         source = inspect.getsource(kind)
     except (OSError, TypeError):
         return {}
     return {found[1]: found[2] for found in re.finditer(r"^ {4}(\w+): [^#\n]*# (.+)$", source, re.MULTILINE)}
+
+
+def written_types(kind: Any) -> dict[str, str]:
+    """The type of each field as the source has it, without its bounds."""
+    (body,) = ast.parse(inspect.getsource(kind)).body
+    assert isinstance(body, ast.ClassDef)
+    fields_of = [line for line in body.body if isinstance(line, ast.AnnAssign) and isinstance(line.target, ast.Name)]
+    return {
+        str(ast.unparse(line.target)): re.sub(r"Annotated\[(\w+), .*\]", r"\1", ast.unparse(line.annotation))
+        for line in fields_of
+    }

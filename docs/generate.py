@@ -10,7 +10,7 @@ from collections.abc import Iterable
 from pathlib import Path
 from typing import Any
 
-from docs.experiment_fields import code, fields
+from docs.experiment_fields import code, comments_of, fields, written_types
 
 ROOT = Path(__file__).resolve().parent.parent
 DOCS = ROOT / "docs"
@@ -119,17 +119,25 @@ Made from the rule table. A row states what must hold; the first that does not h
 
 
 def library() -> str:
-    """The public names of `import hydrohil as hh`, each from its docstring."""
+    """The public names of `import hydrohil as hh`, each from its docstring; of data, the fields with the comments beside them."""
     import hydrohil
 
-    parts = [LIBRARY]
-    for name in getattr(hydrohil, "__all__", ()):
-        if name.startswith("_"):
-            continue
+    chapters: dict[str, list[str]] = {"Functions": [], "Classes": [], "Errors": []}
+    for name in hydrohil.__all__:
         thing = getattr(hydrohil, name)
-        where = f"{thing.__module__}.{thing.__qualname__}" if hasattr(thing, "__qualname__") else f"hydrohil.{name}"
-        parts.append(f"## {name}\n\n::: {where}\n    options:\n      show_root_heading: false\n")
-    return "\n".join(parts)
+        is_error = isinstance(thing, type) and issubclass(thing, Exception)
+        chapter = "Errors" if is_error else "Classes" if isinstance(thing, type) else "Functions"
+        chapters[chapter].append(_documented(name, thing))
+    return "\n".join([LIBRARY, *(f"## {chapter}\n\n" + "\n".join(parts) for chapter, parts in chapters.items())])
+
+
+def _documented(name: str, thing: Any) -> str:
+    directive = f"::: {thing.__module__}.{thing.__qualname__}\n    options:\n      heading: {name}\n"
+    if not hasattr(thing, "_fields"):
+        return directive
+    meanings, types = comments_of(thing), written_types(thing)
+    rows = ((code(field), code(types.get(field, "")), plain(meanings.get(field, ""))) for field in thing._fields)
+    return f"{directive}\n{table(('field', 'type', 'meaning'), rows)}"
 
 
 def rules() -> str:

@@ -8,6 +8,7 @@ import pytest
 import typer.main
 from typer.testing import CliRunner
 
+import hydrohil
 from docs import generate
 from hydrohil.cli.main import app
 from hydrohil.experiment.overrides import with_overrides
@@ -154,3 +155,8 @@ def paths(plain: Any, before: str) -> list[str]:
     if not isinstance(plain, dict):
         return [before]
     return [path for name, value in plain.items() for path in paths(value, f"{before}.{name}")]
+
+
+def test_the_page_of_the_library_has_every_public_name() -> None:
+    headings = re.findall(r"^      heading: (\w+)$", site()["reference/library.md"], re.MULTILINE)
+    assert sorted(headings) == sorted(hydrohil.__all__)
