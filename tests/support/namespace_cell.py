@@ -33,8 +33,9 @@ def loopback() -> None:
 
 
 def caller_port(caller: int, listening: int) -> int:
-    """Port from which process `caller` holds its link to the port of the other."""
-    found = re.findall(rf"127\.0\.0\.1:(\d+)\s+127\.0\.0\.1:{listening}\s.*pid={caller},", network("ss", "-tnpH"))
+    """Port from which process `caller` holds its link to the port of the other; the recorder's link may come late."""
+    link = rf"127\.0\.0\.1:(\d+)\s+127\.0\.0\.1:{listening}\s.*pid={caller},"
+    found = until(lambda: re.findall(link, network("ss", "-tnpH")), f"a link of process {caller}")
     return int(found[0])
 
 
