@@ -9,7 +9,7 @@ from hydrohil.cell.processes import Place
 from hydrohil.cli import faults_command, qualify_command
 from hydrohil.faulttest import endings, orders, router, run
 from hydrohil.qualification.qualify import PLACE
-from hydrohil.shared.transport.bus import DEFAULT_PORT
+from hydrohil.shared.transport.endpoints import DEFAULT_PORT
 
 PORTS_OF_A_CELL = 4
 
