@@ -1,1 +1,1 @@
-"""The contract between the services: messages, topics, codec, bus and clock."""
+"""The contract between the services, its transport, and modules that all services use. It imports no other package of ours."""

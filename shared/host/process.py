@@ -24,7 +24,7 @@ from hydrohil.shared.transport.bus import Bus, BusError
 from hydrohil.shared.transport.endpoints import DEFAULT_PORT, HERE, LISTENERS, Network, address, network
 
 _NUMBER_BITS = 62
-_ALONE = {"controller": True, "supervisor": False}  # the controller has one CPU of its own; the plant may use any
+_ALONE = {"controller": True, "supervisor": False}  # the controller has one CPU, the supervisor all others; the plant may use any
 DEFAULT_CELL = "cell"
 _ROUTER_POLL_S = 0.1
 _ROUTER_PATIENCE_S = 1.0  # of one attempt to reach the router's host

@@ -1,7 +1,7 @@
 """The one table of causes: what happened with its numbers and units, what must hold, what to do.
 
-The supervisor's rules and the gate judge; whoever reports a trip takes its words from here: status, run report, event log,
-trip report, campaign. The numbers are those of the message: of a trip the permit's, of a cut the gate event's.
+The supervisor's rules and the gate judge; every report of a trip has its words from here: status, run report, event log, trip
+report, campaign. The numbers are those of the message: of a trip the permit's, of a cut the gate event's.
 """
 
 from collections.abc import Mapping

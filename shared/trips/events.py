@@ -44,7 +44,7 @@ def gate_event(event: GateEvent) -> Event:
 
 
 def fault_event(event: FaultEvent, service: str) -> Event:
-    """A fault that was asked for."""
+    """A scheduled or injected fault begins or ends."""
     what = f"{event.kind} {event.target}" + (f" {event.value:g}" if event.value else "")
     return Event(service, "WARN", f"fault {'begins' if event.acting else 'ends'}: {what}, sample {event.number}")
 

@@ -17,7 +17,7 @@ class Sequence(NamedTuple):
 
 
 class Counted(NamedTuple):
-    """A message counted: the new count and what it revealed."""
+    """The count after one message, and the gap or restart that it showed."""
 
     sequence: Sequence
     skipped: int  # messages missing just before this one

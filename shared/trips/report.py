@@ -79,7 +79,7 @@ def trip_report(
 
 
 def newest_trip(signals: Tables) -> Trip | None:
-    """What the supervisor latched last, or the gate's cut behind or without it."""
+    """The supervisor's last trip, or the gate's cut if that caused it or stands alone."""
     permits, cut = signals.get(PERMIT, {}), _cut(signals)
     modes = permits.get("mode", [])
     if not modes or modes[-1] not in _LATCHED:
@@ -133,7 +133,7 @@ def _when(signals: Tables, number: int) -> Document:
 
 
 def stop(signals: Tables, number: int, n_per_count: float) -> Document:
-    """When the gate was at zero current, and what moved from the trip's sample to the end of the signals."""
+    """When the gate was at zero current; motion of the tip and peak force from the trip's sample to the end of the signals."""
     samples = signals.get(SAMPLE, {})
     later = [i for i, n in enumerate(samples.get("number", [])) if n >= number]
     zero = next((i for i in later if tuple(samples[f"dac_counts[{k}]"][i] for k in range(3)) == _ZERO), None)
@@ -151,7 +151,7 @@ def stop(signals: Tables, number: int, n_per_count: float) -> Document:
 
 
 def _moved(table: Table, field: str, number: int) -> float | None:
-    """Largest distance from where the point was at the trip's sample; None if nothing is known of it, or of afterwards."""
+    """Largest distance from the point's position at the trip's sample; None if that or the later positions are not known."""
     start = row_of(table, number)
     if start is None or start + 1 >= len(table["number"]) or f"{field}[0]" not in table:
         return None

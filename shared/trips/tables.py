@@ -1,4 +1,4 @@
-"""Messages as columns: what a trip report holds of every signal. Plain lists, so that they are written as they are."""
+"""Messages as columns of plain lists: the signals of a trip report, ready to be written as JSON."""
 
 from collections.abc import Iterable, Mapping, Sequence
 from typing import Any

@@ -18,7 +18,7 @@ def utc_now() -> str:
 
 
 def document_of(caught: Caught, utc: str, cell: str, receiver: str, counters: dict[str, Any]) -> Document | None:
-    """The report of what was caught; `receiver` says whose clock stamped the arrivals, `counters` what else was counted."""
+    """The report of a caught trip; `receiver` names the clock of the arrivals, `counters` are added to those of the receivers."""
     samples = caught.messages.get(SAMPLE)
     header = samples[-1].header if samples else None
     run, experiment = (header.run, header.experiment.hex()) if header else (0, "")

@@ -1,7 +1,7 @@
 import math
 
 import pytest
-from hypothesis import given
+from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from hydrohil.shared.contract.faults import Fault
@@ -106,6 +106,7 @@ def test_draws_lie_between_0_and_1(seed, tick):
     assert 0.0 <= draw(seed, Leg(COMMAND, "controller/command", ()), Active("loss", 0, 9, 0.5), tick) < 1.0
 
 
+@settings(deadline=None)
 @given(
     st.lists(st.tuples(st.sampled_from(["delay", "jitter", "reorder", "loss", "corrupt"]), st.floats(0.0, 1.0)), max_size=4),
     st.lists(st.tuples(st.sampled_from(["delay", "jitter", "reorder", "loss"]), st.floats(0.0, 1.0)), max_size=4),
