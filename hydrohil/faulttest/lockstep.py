@@ -16,9 +16,9 @@ from hydrohil.shared.contract.faults import Fault, ticks_of
 from hydrohil.shared.contract.messages import GateCause, Mode, TripCause
 from hydrohil.shared.units import NS_PER_S, SUBSTEP_NS, SUBSTEP_S
 
-AT_S = (0.4, 0.8)  # the fault begins somewhere between
+AT_S = (0.4, 0.8)  # the fault begins between these times of the trial
 AFTER_S = 1.2  # of the trial, after the fault has begun
-LOSSY_S = 6.0  # a run of losses takes a while to come
+LOSSY_S = 6.0  # of the trial, so that it holds a long run of losses
 QUIET_S = 0.1  # of wall time, after the trial has ended
 PATIENCE_S = 30.0
 T_S, T_NS = SWING.plant.sample_period_substeps * SUBSTEP_S, SWING.plant.sample_period_substeps * SUBSTEP_NS
@@ -111,7 +111,7 @@ def lossy(rig: Rig, rng: Random, _: int, share: float) -> Trial:
 
 
 def on(kind: str, target: str, value: float = 0.0, lasts_s: float = 0.0) -> Faults:
-    """One fault from its instant on."""
+    """One fault, from its instant on."""
     return lambda at_s, _lease_s: (Fault(kind=kind, target=target, at_s=at_s, lasts_s=lasts_s, value=value),)
 
 
@@ -123,7 +123,7 @@ def burst(beyond: int) -> Faults:
 
 
 def delayed(share: float) -> Faults:
-    """Every command later by this share of the lease."""
+    """Every command is delayed by this share of the lease."""
     return lambda at_s, lease_s: (
         Fault(kind="delay", target="controller>plant", at_s=at_s, lasts_s=0.0, value=1000.0 * share * lease_s),
     )
@@ -144,7 +144,7 @@ def live(rig: Rig, rng: Random, number: int, target: str) -> Trial:
 
 
 def _has(sample: Received, fault: Fault) -> bool:
-    """By its tick, as the services count: with jitter the time of a trial drifts from the nominal one by whole periods."""
+    """Whether the sample has the fault; by its tick, since with jitter the time of a trial drifts from the nominal one."""
     return bool(sample.body.tick >= ticks_of(fault, T_NS)[0])
 
 
@@ -154,5 +154,5 @@ def lease_and_period(lease_s: float) -> float:
 
 
 def without_the_controller(lease_s: float) -> float:
-    """Of the supervisor, which judges sample n by the controller's message on n - 1 and in whole samples: lease + 3 T."""
+    """Lease + 3 T: the supervisor judges sample n by the controller's message on n - 1, and in whole samples."""
     return lease_s + 3.0 * T_S

@@ -24,7 +24,7 @@ from hydrohil.shared.units import NS_PER_S, SUBSTEP_NS
 from hydrohil.simulation.columns import Columns
 from hydrohil.simulation.rollout import play_local
 
-PRESSING = (  # each on its own; hard and soft, light and heavy, loose and stiff
+PRESSING = (  # each row in a trial of its own: targets from soft to hard and light to heavy, gains from low to high
     ("controller.impedance.stiffness_n_per_m=20e3",),
     ("controller.impedance.stiffness_n_per_m=100e3", "controller.impedance.mass_kg=1000"),
     ("controller.impedance.mass_kg=200", "controller.impedance.damping_ratio=2"),
@@ -34,7 +34,7 @@ PRESSING = (  # each on its own; hard and soft, light and heavy, loose and stiff
 LAWS = ("pi", "vetia", "deadband", "morse", "hysteresis", "robust", "torque", "final")
 EVERY_S = 0.7  # longer than the tight samples after a switch, shorter than half a period of the swing
 HELD_CODES = 1  # a law that takes over holds the accepted current, which the converter truncates
-SETTLED_S = 0.5  # after what was changed last
+SETTLED_S = 0.5  # after the last change
 REFUSED = (
     "controller.gains.down_up.kp_a_per_rad=-0.001",
     "controller.impedance.stiffness_n_per_m=10000001",
@@ -67,7 +67,9 @@ def pressed(seed: int) -> Trial:
 def switched(seed: int) -> Trial:
     """While the link swings: one law after another."""
     at_s, laws = at(seed) - 1.0, Random(seed).sample(LAWS, len(LAWS))
-    before = "pi" if laws[0] == SWING.controller.law else SWING.controller.law  # a switch to what acts already is none
+    before = (
+        "pi" if laws[0] == SWING.controller.law else SWING.controller.law
+    )  # a switch to the law that acts already would be no switch
     changes = (ScheduledChange(at_s + EVERY_S * i, (f"controller.law={law}",)) for i, law in enumerate(laws))
     motion = SWING._replace(controller=SWING.controller._replace(law=before))
     return _played(motion, tuple(change for change in changes if change.at_s < PLAYED_S - SETTLED_S), seed)

@@ -18,7 +18,7 @@ FROZEN_S = (0.3, 1.0)  # shorter and longer than the half second after which the
 
 
 def period_s(experiment: Experiment) -> float:
-    """T."""
+    """The sampling period T in s."""
     return experiment.plant.sample_period_substeps * SUBSTEP_S
 
 
@@ -73,7 +73,7 @@ def judged(observed: Observation, fault_ns: int, bound_s: float) -> Trial:
 
 
 def confirmed(rig: Rig, trial: Trial, revoked: int, *, tripped: bool) -> Trial:
-    """`trial`, if the arming is revoked and the supervisor has latched a trip where it lived through."""
+    """`trial`, if the arming is revoked and, where it is still the same process, the supervisor has latched a trip."""
     plant, supervisor = rig.status("plant"), rig.status("supervisor")
     if not plant or int(plant["revoked_arming_ids"]) <= revoked:
         return trial._replace(held=False, words=f"{trial.words}; the arming is not revoked")

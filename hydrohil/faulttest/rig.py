@@ -18,18 +18,18 @@ from hydrohil.shared.contract.topics import SERVICES
 from hydrohil.shared.transport.bus import Bus
 
 PATIENCE_S = 5.0
-OBSERVER_PRIORITY = 60  # above the services: it works for microseconds a sample
+OBSERVER_PRIORITY = 60  # above the services: it needs only microseconds a sample
 RETRIES = 3
 LOCKSTEP_LEASE_MS = "20"
-SETTLE_S = 0.3  # from tick 0 until the swing is under way
-PHASES_S = 0.6  # the fault begins anywhere in this stretch
+SETTLE_S = 0.3  # from tick 0 until the motion has begun
+PHASES_S = 0.6  # the fault begins at a random instant of this interval
 HOLD_EVERY_S, RECOVER_S = 0.05, 0.5  # a hold-to-run request is repeated, until the force is gone
 _POLL_S = 0.002
 Extra = dict[str, list[str]]
 
 
 def lockstep_extra(extra: Extra) -> Extra:
-    """Options of a cell for lockstep: its lease passes in simulated time, so it is that of industrial arms on any host."""
+    """Options of a cell for lockstep: its lease passes in simulated time, so that of industrial arms suffices on any host."""
     common = list(extra.get("controller", ()))
     return extra | {"plant": [*common, "--permit-ttl-ms", LOCKSTEP_LEASE_MS]}
 
@@ -45,7 +45,7 @@ def raise_priority() -> bool:
 
 
 class Rig:
-    """A cell, its processes, an observer, and what happened to trials that no fault ended."""
+    """A cell, its processes and its observer."""
 
     def __init__(self, place: cells.Place, extra: Extra, restarted: Callable[[str], None]) -> None:
         """Nothing is started before it is needed; `restarted` gets a line for each trial that is started again."""
@@ -55,7 +55,7 @@ class Rig:
         self._bus: Bus | None = None
         self._observer: Observer | None = None
         self.lease_ms = math.nan  # of the cell, once it is up
-        self.prompt = False  # whether the host schedules the observer before all others
+        self.prompt = False  # whether the host gives the observer real-time scheduling
 
     def __enter__(self) -> "Rig":
         """Nothing yet."""

@@ -33,7 +33,7 @@ Bools = npt.NDArray[np.bool_]
 
 
 class Ended(NamedTuple):
-    """How a local trial came to zero current."""
+    """The end of a local trial: the row of zero current, and what led to it."""
 
     row: int  # of the sample at whose latch the D/A is at zero; beyond the last = never
     words: str
@@ -55,12 +55,12 @@ def ended(outcome: Outcome) -> Ended:
 
 
 def period_s(experiment: Experiment) -> float:
-    """T."""
+    """The sampling period T in s."""
     return experiment.plant.sample_period_substeps * SUBSTEP_S
 
 
 def fault_trial(seed: int, motion: str, faults: Callable[[float], tuple[Fault, ...]], bound: Callable[[float], float]) -> Trial:
-    """`faults` of the instant at which they begin, in a trial of `motion`; `bound` of T, in s."""
+    """A trial of `motion` with `faults`, a function of the time at which they begin; `bound` is a function of T, both in s."""
     at_s = at(seed)
     experiment = MOTIONS[motion]._replace(duration_s=PLAYED_S, faults=faults(at_s))
     outcome = play_local(experiment, seed)
