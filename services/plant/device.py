@@ -17,7 +17,7 @@ class Reading(NamedTuple):
 
 
 class Timeline:
-    """Simulated time, told to whoever emulates; a real DAQ lives in real time and ignores it."""
+    """Simulated time, which an emulator follows; a real DAQ lives in real time and ignores it."""
 
     def __init__(self) -> None:
         """Sub-step 0, no trial."""

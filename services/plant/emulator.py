@@ -80,7 +80,15 @@ class Emulator:
         self._table, self._now = self._injection.at(timeline.number, timeline.tick), clock(timeline.number, timeline.tick)
         if self._table:
             self._rig = compiled_value((faulty_machine(self._table, self._now, self._machine), self._contact))
-            readings = faulty_sense(self._state, self._machine, self._contact, noise_n, self._table, self._now, self._held)
+            readings = faulty_sense(
+                state=self._state,
+                machine=self._machine,
+                contact=self._contact,
+                noise_n=noise_n,
+                table=self._table,
+                tick=self._now,
+                held=self._held,
+            )
         else:
             self._rig = self._sound
             readings = sense(self._state, self._machine, self._contact, noise_n)

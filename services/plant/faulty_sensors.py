@@ -1,7 +1,7 @@
 """What the DAQ reads of a machine whose sensors are broken.
 
 A jump, a drift, a gain and noise of the force lie before the gauge's amplifier, which limits them; what is stuck, garbled
-or missing lies after the converter. Truth stays true.
+or missing lies after the converter. The ground truth is never changed.
 """
 
 import math

@@ -125,9 +125,33 @@ def advance_by(
         inertia = inertias(machine, arm)
         moved = motion_loads(machine, arm, inertia[1], (first.qd, second.qd, third.qd))
         load_1, load_2, load_3 = moved[0] + pushed[0], moved[1] + pushed[1] + weight[1], moved[2] + pushed[2] + weight[2]
-        first = link_step(first, machine.rotate, machine, currents_a[0], load_1, inertia[0], step_s)
-        second = link_step(second, machine.down_up, machine, currents_a[1], load_2, inertia[1], step_s)
-        third = link_step(third, machine.out_in, machine, currents_a[2], load_3, inertia[2], step_s)
+        first = link_step(
+            state=first,
+            link=machine.rotate,
+            machine=machine,
+            current_a=currents_a[0],
+            load_tau=load_1,
+            inertia_tau_s2_per_q=inertia[0],
+            step_s=step_s,
+        )
+        second = link_step(
+            state=second,
+            link=machine.down_up,
+            machine=machine,
+            current_a=currents_a[1],
+            load_tau=load_2,
+            inertia_tau_s2_per_q=inertia[1],
+            step_s=step_s,
+        )
+        third = link_step(
+            state=third,
+            link=machine.out_in,
+            machine=machine,
+            current_a=currents_a[2],
+            load_tau=load_3,
+            inertia_tau_s2_per_q=inertia[2],
+            step_s=step_s,
+        )
         if not (inside(first, machine.rotate) and inside(second, machine.down_up) and inside(third, machine.out_in)):
             first, second, third = (
                 stopped(first, machine.rotate),
@@ -195,17 +219,17 @@ def sticking(state: MachineState) -> LinkCounts:
 def ground_truth(state: MachineState, machine: MachineParams, contact: ContactParams, number: int, tick: int) -> GroundTruth:
     """What only an emulator knows, as it is published."""
     return GroundTruth(
-        number,
-        tick,
-        state.q,
-        state.qd,
-        state.pressure_a_pa,
-        state.pressure_b_pa,
-        state.spool_a,
-        sticking(state),
-        tip_position(state, machine),
-        contact_force(state, machine, contact),
-        state.contact.environment_m,
+        number=number,
+        tick=tick,
+        q=state.q,
+        qd=state.qd,
+        pressure_a_pa=state.pressure_a_pa,
+        pressure_b_pa=state.pressure_b_pa,
+        spool_a=state.spool_a,
+        sticking=sticking(state),
+        tip_m=tip_position(state, machine),
+        contact_force_n=contact_force(state, machine, contact),
+        environment_m=state.contact.environment_m,
     )
 
 

@@ -53,7 +53,7 @@ class CellView:
 
     @property
     def complete(self) -> bool:
-        """Whether plant and controller have both been heard."""
+        """Whether plant and controller have both sent something."""
         return self.description is not None and self.sample is not None and self.controller is not None
 
     def receive(self) -> None:

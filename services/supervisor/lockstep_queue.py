@@ -9,27 +9,29 @@ from hydrohil.shared.transport.inbox import Inbox
 
 
 class LockstepQueue:
-    """Samples that have come and are not due yet."""
+    """Samples that have come and must not be judged yet."""
 
     def __init__(self, bus: Bus, states: Inbox) -> None:
-        """Nothing waits. A sample that a fault keeps from the controller gets no state; `controller/sample_dropped` tells."""
+        """Nothing waits. A sample that a fault keeps from the controller gets no state; `controller/sample_dropped` names it."""
         self._bus, self._states = bus, states
-        self._passed = bus.subscribe("controller/sample_dropped")
+        self._dropped = bus.subscribe("controller/sample_dropped")
         self.begin()
 
     def begin(self, first_tick: int | None = None) -> None:
         """Another load; `first_tick` is that of its trial in lockstep, None where the wall clock paces."""
         self._first_tick = first_tick
-        self._unheard = NO_COMMAND  # newest sample that a fault kept from the controller
+        self._newest_dropped = NO_COMMAND  # newest sample that a fault kept from the controller
         self._waiting: list[Received] = []
 
     def due(self, coming: list[Received]) -> list[Received]:
         """Samples to judge now, in order, of those that waited and those that come."""
         self._waiting += coming
-        passed = (message.body.number for message in self._passed.take() if same_run(message.header, self._bus.run))
-        self._unheard = max(self._unheard, *passed, NO_COMMAND)
-        heard = max(self._states.number, self._states.arrived(), self._unheard)  # what a fault has, or took, comes no more
-        due = list(takewhile(lambda sample: sample.body.number - 1 <= heard or not self._waits(sample), self._waiting))
+        dropped = (message.body.number for message in self._dropped.take() if same_run(message.header, self._bus.run))
+        self._newest_dropped = max(self._newest_dropped, *dropped, NO_COMMAND)
+        answered = max(
+            self._states.number, self._states.arrived(), self._newest_dropped
+        )  # a state that a fault holds, or whose sample it took, is not awaited
+        due = list(takewhile(lambda sample: sample.body.number - 1 <= answered or not self._waits(sample), self._waiting))
         self._waiting = self._waiting[len(due) :]
         return due
 

@@ -67,7 +67,7 @@ class SampleContext(NamedTuple):
 
     running: bool  # the mode
     stale_ns: int  # 0 when a sample came; otherwise wall time since the last
-    ready: bool  # the controller says so
+    ready: bool  # the controller reports that it is
     links: LinkHealth
 
 

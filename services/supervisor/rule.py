@@ -51,7 +51,7 @@ class TransportObservation(NamedTuple):
     stale_ns: int  # wall time without a sample, 0 when one came
     command_lag: int  # samples since the one that the newest command answers
     gate: int
-    ready: bool  # the controller says so
+    ready: bool  # the controller reports that it is
     link_faults: int  # CRC and sequence faults of the last second under a bound identity, of the worst link
     epoch_conflicts: int  # frames of the last second by which a bound sender has another epoch, of the worst link
     other_run: int  # frames since the last verdict that belong to another run or experiment than a running permit

@@ -1,4 +1,4 @@
-"""What must hold of the messages and of those who send them."""
+"""What must hold of the messages and of the services that send them."""
 
 from hydrohil.services.supervisor.rule import Limits, Observed, Rule
 from hydrohil.shared.compiled.kernel import kernel
@@ -23,7 +23,7 @@ def commands_fresh(observed: Observed, limits: Limits) -> bool:
 
 
 @kernel
-def controller_heard(observed: Observed, limits: Limits) -> bool:
+def controller_alive(observed: Observed, limits: Limits) -> bool:
     return (
         not (observed.moving and observed.tick > 0)
         or -limits.lease_samples <= observed.transport.state_lag <= limits.lease_samples + 2
@@ -62,7 +62,7 @@ TRANSPORT_RULES = (
     # One sample more than a command: a state may come after the sample that its command was waited for by. Below 0 the state is
     # ahead of the sample, which waited here or on its way; samples that wait for longer than a lease are stale.
     Rule(
-        holds=controller_heard,
+        holds=controller_alive,
         cause=TripCause.CONTROLLER_SILENT,
         measured=lambda observed, _: float(observed.transport.state_lag),
         limit=lambda observed, limits: float(

@@ -24,7 +24,7 @@ AT_ONCE = LOOSE._replace(slew_codes=2456)
 
 
 @pytest.mark.parametrize(
-    ("cause", "observed", "limits", "told"),
+    ("cause", "observed", "limits", "values"),
     [
         (GateCause.PERMIT_STALE, permit(age_ns=TTL + 1), LIMITS, (0.020000001, 0.02)),
         (GateCause.COMMAND_STALE, command(age_ns=2 * TTL), LIMITS, (0.04, 0.02)),
@@ -50,19 +50,19 @@ AT_ONCE = LOOSE._replace(slew_codes=2456)
         (GateCause.ESTOP, FINE._replace(estop=True), LIMITS, (0.0, 0.0)),
     ],
 )
-def test_a_decision_tells_the_number_that_it_was_made_by(cause, observed, limits, told):
+def test_a_decision_has_the_numbers_that_it_rests_on(cause, observed, limits, values):
     before = GateMemory()
     assert step(before, observed, limits).cause == cause
-    assert cause_values(int(cause), before, observed, limits) == pytest.approx(told)
+    assert cause_values(int(cause), before, observed, limits) == pytest.approx(values)
 
 
-def test_a_step_is_told_against_where_the_codes_stood():
+def test_a_step_counts_from_where_the_codes_stood():
     before = step(opened(), codes(2140, 2048, 2048))
     assert cause_values(int(GateCause.BEYOND_SLEW), before, codes(2000, 2048, 2048), LIMITS) == (140.0, 100.0)
 
 
 @pytest.mark.parametrize("cause", list(GateCause))
-def test_every_cause_has_its_numbers_or_none_whatever_was_seen(cause):
+def test_every_cause_has_its_numbers_or_none_whatever_was_observed(cause):
     assert PERMIT.arming_id == COMMAND.arming_id == ARMING_ID
     assert all(type(value) is float for value in cause_values(int(cause), GateMemory(), FINE, LIMITS))
 

@@ -15,15 +15,15 @@ WATCHDOG = 400  # sub-steps: 20 ms
 
 
 @pytest.fixture(scope="module")
-def made():
+def emulation():
     timeline = Timeline()
     return timeline, Emulator(timeline, WATCHDOG)
 
 
 @pytest.fixture
-def scene(made):
+def scene(emulation):
     """The emulator at its declared pose, sub-step 0."""
-    timeline, emulator = made
+    timeline, emulator = emulation
     timeline.substep = timeline.number = 0
     timeline.tick = NO_TRIAL
     emulator.watchdog(WATCHDOG)
@@ -53,25 +53,25 @@ def test_codes_act_from_the_sub_step_at_which_they_are_written(scene):
     timeline, emulator = scene
     timeline.substep = 72
     emulator.write(MOVING)
-    seen = at(scene, 162)
-    assert (seen.q, seen.spool_a) == expected((ZERO, 72), (MOVING, 90))
-    assert seen.spool_a[2] > expected()[1][2] + 0.05
+    reached = at(scene, 162)
+    assert (reached.q, reached.spool_a) == expected((ZERO, 72), (MOVING, 90))
+    assert reached.spool_a[2] > expected()[1][2] + 0.05
 
 
 @pytest.mark.parametrize("silence", [WATCHDOG, WATCHDOG + 1, WATCHDOG + 300])
 def test_a_converter_that_is_not_written_goes_to_zero_by_itself_at_the_end_of_the_lease(scene, silence):
     _, emulator = scene
     emulator.write(MOVING)
-    seen = at(scene, silence)
-    assert (seen.q, seen.spool_a) == expected((MOVING, WATCHDOG), (ZERO, silence - WATCHDOG))
+    reached = at(scene, silence)
+    assert (reached.q, reached.spool_a) == expected((MOVING, WATCHDOG), (ZERO, silence - WATCHDOG))
 
 
 def test_reading_does_not_feed_the_watchdog(scene):
     _, emulator = scene
     emulator.write(MOVING)
     for substep in range(90, 900, 90):
-        seen = at(scene, substep)
-    assert (seen.q, seen.spool_a) == expected((MOVING, WATCHDOG), (ZERO, 810 - WATCHDOG))
+        reached = at(scene, substep)
+    assert (reached.q, reached.spool_a) == expected((MOVING, WATCHDOG), (ZERO, 810 - WATCHDOG))
 
 
 def test_writing_feeds_the_watchdog(scene):
@@ -79,9 +79,9 @@ def test_writing_feeds_the_watchdog(scene):
     for substep in range(0, 900, 300):
         timeline.substep = substep
         emulator.write(MOVING)
-    seen = at(scene, 900)
-    assert seen.q == expected((MOVING, 900))[0]
-    assert seen.q[2] > PlantConfig().initial_q[2]
+    reached = at(scene, 900)
+    assert reached.q == expected((MOVING, 900))[0]
+    assert reached.q[2] > PlantConfig().initial_q[2]
 
 
 def test_a_shorter_lease_falls_at_once_when_it_is_over_already(scene):
@@ -89,8 +89,8 @@ def test_a_shorter_lease_falls_at_once_when_it_is_over_already(scene):
     emulator.write(MOVING)
     at(scene, 300)
     emulator.watchdog(200)
-    seen = at(scene, 390)
-    assert (seen.q, seen.spool_a) == expected((MOVING, 300), (ZERO, 90))
+    reached = at(scene, 390)
+    assert (reached.q, reached.spool_a) == expected((MOVING, 300), (ZERO, 90))
 
 
 def test_a_trial_begins_at_its_declared_state_whatever_was_before(scene):
@@ -99,8 +99,8 @@ def test_a_trial_begins_at_its_declared_state_whatever_was_before(scene):
     at(scene, 350)
     emulator.begin()
     timeline.substep = 350
-    seen = emulator.ground_truth()
-    assert (seen.q, seen.spool_a, seen.qd) == (*expected(), (0.0,) * 3)
+    reached = emulator.ground_truth()
+    assert (reached.q, reached.spool_a, reached.qd) == (*expected(), (0.0,) * 3)
     assert at(scene, 700).q == PlantConfig().initial_q
 
 
@@ -136,16 +136,16 @@ def test_nothing_compiles_after_the_emulator_is_made(scene, kind):
 def sampled(scene, samples, codes=MOVING):
     """Readings and truths of that many samples with these codes written 72 sub-steps after each."""
     timeline, emulator = scene
-    told = []
+    readings = []
     for number in range(samples):
         timeline.number, timeline.substep = number, 90 * number
-        told.append((emulator.read(), emulator.ground_truth()))
+        readings.append((emulator.read(), emulator.ground_truth()))
         timeline.substep += 72
         emulator.write(codes)
-    return told
+    return readings
 
 
-def test_a_fault_by_hand_shows_in_the_readings_alone_and_the_truth_stays_true(scene):
+def test_a_fault_by_hand_shows_in_the_readings_alone_and_the_ground_truth_stays(scene):
     sound = sampled(scene, 8)
     timeline, emulator = scene
     timeline.substep = timeline.number = 0
@@ -163,8 +163,8 @@ def test_a_stuck_converter_holds_its_code_against_its_watchdog_and_the_others_go
     emulator.inject(Fault("stuck", "dac_out_in"))
     timeline.number, timeline.substep = 1, 90
     emulator.read()
-    seen = at(scene, WATCHDOG + 100)
-    assert (seen.q, seen.spool_a) == expected(((2100, 2048, 2700), WATCHDOG), (MOVING, 100))
+    reached = at(scene, WATCHDOG + 100)
+    assert (reached.q, reached.spool_a) == expected(((2100, 2048, 2700), WATCHDOG), (MOVING, 100))
     assert emulator.readback() == MOVING
 
 

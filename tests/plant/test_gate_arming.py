@@ -43,12 +43,12 @@ def test_a_revoked_arming_that_is_shown_again_is_not_revoked_twice():
     assert memory.revoked == (ARMING_ID,) + (0,) * 15
 
 
-def test_what_a_shut_gate_burns_pushes_the_older_numbers_back():
+def test_what_a_shut_gate_revokes_pushes_the_older_numbers_back():
     memory = step(cut(opened()), armed_anew(OTHER, force_n=500.0))
     assert memory.revoked == (OTHER, ARMING_ID) + (0,) * 14
 
 
-def test_recovering_and_running_burn_alike():
+def test_recovering_and_running_revoke_alike():
     recovering = FINE._replace(permit=FINE.permit._replace(mode=4, recover_signs=(0, 0, -1)))
     memory = step(GateMemory(), recovering)
     assert memory.state == GateState.RECOVERING

@@ -25,7 +25,17 @@ from tests.support.gate_scene import (
     step,
 )
 
-NOTHING_OBSERVED = GateInput(NO_PERMIT_OBSERVATION, NO_COMMAND_OBSERVATION, 0, 0.0, 0, False, False, 0, 0)
+NOTHING_OBSERVED = GateInput(
+    permit=NO_PERMIT_OBSERVATION,
+    command=NO_COMMAND_OBSERVATION,
+    force_counts=0,
+    force_n=0.0,
+    tick=0,
+    estop=False,
+    overrun=False,
+    link_faults=0,
+    epoch_conflicts=0,
+)
 AT_ONCE = LIMITS._replace(tight_samples=0)  # no tight slew, so that other limits can be reached in one step
 
 HOLDS = {
@@ -78,7 +88,7 @@ BROKEN = {
     "a force count below the gauge": (FINE._replace(force_counts=-1), GateCause.FORCE_INVALID),
     "a saturated force count": (FINE._replace(force_counts=518), GateCause.FORCE_INVALID),
     "an emergency stop": (FINE._replace(estop=True), GateCause.ESTOP),
-    "a plant that overran": (FINE._replace(overrun=True), GateCause.OVERRUN),
+    "a plant that was delayed by more than a lease": (FINE._replace(overrun=True), GateCause.OVERRUN),
 }
 REVOKES_WHILE_SHUT = {
     GateCause.IMPOSSIBLE_ECHO,
@@ -95,7 +105,18 @@ REVOKES_WHILE_SHUT = {
 
 def test_the_gate_is_silent_at_boot():
     memory = GateMemory()
-    assert memory == GateMemory(int(GateState.SHUT), int(GateCause.NO_PERMIT), ZERO, -1, 0, 0, 0, 0, (0,) * 16, NO_SIGNS)
+    assert memory == GateMemory(
+        state=int(GateState.SHUT),
+        cause=int(GateCause.NO_PERMIT),
+        codes=ZERO,
+        command_number=-1,
+        open_samples=0,
+        arming_id=0,
+        permit_epoch=0,
+        command_epoch=0,
+        revoked=(0,) * 16,
+        recover_signs=NO_SIGNS,
+    )
     assert step(memory, NOTHING_OBSERVED) == memory
 
 
@@ -107,7 +128,16 @@ def test_what_is_absent_permits_nothing_by_any_field():
 def test_it_opens_when_everything_holds_and_binds_arming_and_epochs():
     memory = step(GateMemory(), FINE)
     assert memory == GateMemory(
-        int(GateState.OPEN), int(GateCause.NONE), ZERO, 100, 1, ARMING_ID, SUPERVISOR, CONTROLLER, (0,) * 16, NO_SIGNS
+        state=int(GateState.OPEN),
+        cause=int(GateCause.NONE),
+        codes=ZERO,
+        command_number=100,
+        open_samples=1,
+        arming_id=ARMING_ID,
+        permit_epoch=SUPERVISOR,
+        command_epoch=CONTROLLER,
+        revoked=(0,) * 16,
+        recover_signs=NO_SIGNS,
     )
 
 
@@ -119,7 +149,7 @@ def test_at_its_limit_a_condition_still_holds(before, observed):
 
 
 @pytest.mark.parametrize(("observed", "cause"), BROKEN.values(), ids=BROKEN)
-def test_just_past_its_limit_a_condition_cuts_to_zero_current_and_burns(observed, cause):
+def test_just_past_its_limit_a_condition_cuts_to_zero_current_and_revokes(observed, cause):
     moving = step(opened(), codes(2100, 2000, 2048))
     after = step(moving, observed)
     assert (after.cause, after.codes, after.revoked[0]) == (cause, ZERO, ARMING_ID)
@@ -131,7 +161,7 @@ def test_just_past_its_limit_a_condition_cuts_to_zero_current_and_burns(observed
 
 
 @pytest.mark.parametrize(("observed", "cause"), BROKEN.values(), ids=BROKEN)
-def test_a_shut_gate_stays_shut_and_burns_only_on_what_is_ours_but_wrong(observed, cause):
+def test_a_shut_gate_stays_shut_and_revokes_only_on_what_is_ours_but_wrong(observed, cause):
     after = step(GateMemory(), observed)
     wrong = cause in REVOKES_WHILE_SHUT and observed.permit.arming_id != 0
     assert (after.cause, after.codes) == (cause, ZERO)
@@ -140,7 +170,7 @@ def test_a_shut_gate_stays_shut_and_burns_only_on_what_is_ours_but_wrong(observe
     assert step(after, FINE).state == (GateState.REVOKED if wrong else GateState.OPEN)
 
 
-def test_an_emergency_stop_without_an_arming_burns_nothing():
+def test_an_emergency_stop_without_an_arming_revokes_nothing():
     stopped = step(GateMemory(), NOTHING_OBSERVED._replace(estop=True))
     assert (stopped.state, stopped.cause, stopped.revoked) == (GateState.SHUT, GateCause.ESTOP, (0,) * 16)
     absent = step(GateMemory(), permit(present=False, arming_id=0)._replace(estop=True))

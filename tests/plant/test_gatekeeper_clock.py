@@ -57,6 +57,8 @@ def test_a_command_that_missed_its_latch_is_reported_late_until_the_next_latch()
     scene.keeper.judge_late(0, 5)
     assert scene.keeper.late_substeps == 5
     scene.keeper.judge(0, at_latch=False)
+    scene.keeper.stop(0)
+    scene.keeper.release_stop(0)
     assert scene.keeper.late_substeps == 5
     scene.keeper.judge(0, at_latch=True)
     assert scene.keeper.late_substeps == 0

@@ -11,19 +11,19 @@ PERIOD_NS = 4_500_000
 STUCK, OFFSET = Fault("stuck", "force", 0.45, 0.09), Fault("offset", "encoder_rotate", 0.0, 0.0, 5.0)
 
 
-def made(*faults):
+def scheduled(*faults):
     injection = Injection()
     injection.schedule(faults, 3, PERIOD_NS)
     return injection
 
 
 def test_without_faults_the_table_is_empty():
-    assert made().at(5, NO_TRIAL) == made().at(5, 3) == ()
+    assert scheduled().at(5, NO_TRIAL) == scheduled().at(5, 3) == ()
 
 
 @pytest.mark.parametrize(("tick", "acts"), [(NO_TRIAL, False), (99, False), (100, True), (119, True), (120, False)])
 def test_a_scheduled_fault_acts_at_its_ticks_and_never_outside_a_trial(tick, acts):
-    injection = made(STUCK)
+    injection = scheduled(STUCK)
     assert bool(injection.at(1234, tick)) is acts
     assert injection.acting == ((STUCK,) if acts else ())
     assert injection.waiting == ()
@@ -31,20 +31,20 @@ def test_a_scheduled_fault_acts_at_its_ticks_and_never_outside_a_trial(tick, act
 
 @pytest.mark.parametrize("tick_of_first", [NO_TRIAL, 40])
 def test_a_fault_by_hand_begins_at_the_next_sample_and_lasts_its_time_in_or_outside_a_trial(tick_of_first):
-    injection, fault = made(), Fault("offset", "force", 0.0, 0.018, 30.0)
+    injection, fault = scheduled(), Fault("offset", "force", 0.0, 0.018, 30.0)
     injection.inject(fault, 1000)
     assert injection.waiting == (fault,)
-    seen = []
+    acting = []
     for number in range(999, 1008):
         tick = NO_TRIAL if tick_of_first == NO_TRIAL else tick_of_first + number - 999
         if injection.at(number, tick):
-            seen.append(number)
-    assert seen == [1001, 1002, 1003, 1004]
+            acting.append(number)
+    assert acting == [1001, 1002, 1003, 1004]
     assert injection.waiting == injection.acting == ()
 
 
 def test_the_same_fault_injected_again_waits_although_it_acts():
-    injection = made()
+    injection = scheduled()
     injection.inject(OFFSET, 10)
     injection.at(11, NO_TRIAL)
     injection.inject(OFFSET, 11)
@@ -54,13 +54,13 @@ def test_the_same_fault_injected_again_waits_although_it_acts():
 
 
 def test_a_fault_by_hand_waits_for_its_delay():
-    injection, fault = made(), Fault("dropout", "force", 0.009, 0.0)
+    injection, fault = scheduled(), Fault("dropout", "force", 0.009, 0.0)
     injection.inject(fault, 50)
     assert [bool(injection.at(number, NO_TRIAL)) for number in (51, 52, 53, 54, 9_999_999)] == [False, False, True, True, True]
 
 
 def test_what_was_injected_outlasts_trials_and_another_load_until_it_is_cleared():
-    injection = made(STUCK)
+    injection = scheduled(STUCK)
     injection.inject(OFFSET, 10)
     injection.schedule((), 4, PERIOD_NS)
     for number, tick in ((11, NO_TRIAL), (12, -444), (600, 144), (2000, NO_TRIAL)):
@@ -72,7 +72,7 @@ def test_what_was_injected_outlasts_trials_and_another_load_until_it_is_cleared(
 
 
 def test_both_kinds_act_together_the_trials_first():
-    injection = made(STUCK)
+    injection = scheduled(STUCK)
     injection.inject(OFFSET, 10)
     assert len(injection.at(700, 100)) == 2
     assert injection.acting == (STUCK, OFFSET)

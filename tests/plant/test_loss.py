@@ -38,7 +38,15 @@ def survives(probability: float, trial: int) -> bool:
             mailbox.take_command(Received(0, "", head, Command(ZERO)), Run())
         now_ns = time_ns + LATCH_NS
         observed = GateInput(
-            mailbox.observe_permit(now_ns), mailbox.observe_command(now_ns), 10, 13.0, max(0, tick), False, False, 0, 0
+            permit=mailbox.observe_permit(now_ns),
+            command=mailbox.observe_command(now_ns),
+            force_counts=10,
+            force_n=13.0,
+            tick=max(0, tick),
+            estop=False,
+            overrun=False,
+            link_faults=0,
+            epoch_conflicts=0,
         )
         gate = gate_step(gate, limits, observed, True)
     return gate.state == GateState.OPEN

@@ -292,13 +292,13 @@ def test_no_state_however_odd_raises_or_parts_plain_from_compiled(q, qd, spool, 
     assert repr(ground_truth_compiled(state, UNIMATE, contact, 1, 1)) == repr(ground_truth(state, UNIMATE, contact, 1, 1))
 
 
-def test_truth_tells_which_link_stands():
+def test_the_ground_truth_says_which_link_stands():
     state = machine_start(UNIMATE, FREE, ONE_METRE)
     assert ground_truth(state, UNIMATE, FREE, 1, 2).sticking == (1, 1, 1)
     moving = run(state, UNIMATE, FREE, (0.0, 0.2, 0.0), SECOND // 2, SUBSTEP_S)
-    told = ground_truth(moving, UNIMATE, FREE, 1, 2)
-    assert told.sticking == (1, 0, 1)
-    assert told.tip_m == tip_position(moving, UNIMATE)
+    published = ground_truth(moving, UNIMATE, FREE, 1, 2)
+    assert published.sticking == (1, 0, 1)
+    assert published.tip_m == tip_position(moving, UNIMATE)
 
 
 def test_positive_current_turns_left_goes_down_and_out():

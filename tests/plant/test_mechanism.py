@@ -48,7 +48,7 @@ def test_down_is_down_and_out_is_out():
 
 
 @given(poses, poses, st.lists(st.booleans(), min_size=3, max_size=3))
-def test_a_posture_that_follows_another_is_the_one_made_anew_whichever_links_stood(before, q, stood):
+def test_a_posture_that_follows_another_is_the_one_computed_anew_whichever_links_stood(before, q, stood):
     after = tuple(old if stands else new for old, new, stands in zip(before, q, stood, strict=True))
     assert posture_after(posture(UNIMATE, before), UNIMATE, before, after) == posture(UNIMATE, after)
 

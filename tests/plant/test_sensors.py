@@ -40,7 +40,7 @@ def test_a_counter_wraps_at_its_bits(channel):
 
 
 @given(st.floats(-1.91, 1.91), st.floats(-0.52, 0.47), st.floats(0.0, 1.04))
-def test_counts_tell_every_pose_of_the_travel_to_one_resolution(q1, q2, q3):
+def test_counts_resolve_every_pose_of_the_travel_to_one_resolution(q1, q2, q3):
     counts = encoder_counts((q1, q2, q3), 0.0)
     for channel, value in enumerate((q1, q2, q3)):
         read = SCALE[channel] * counts[channel] + OFFSET[channel]

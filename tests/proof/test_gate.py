@@ -66,7 +66,7 @@ def commands():
 
 
 def circumstances():
-    """(holds, rest): force valid, force below, tick 0 or later, no emergency stop, awake, links clean, no rival."""
+    """(holds, rest): force valid, force below, tick 0 or later, no emergency stop, no overrun, clean links, one publisher."""
     for holds in product((True, False), repeat=7):
         valid, below, begun, released, awake, clean, alone = holds
         rest = 10 if valid else 518, 420.0 if below else 420.1, 0 if begun else -1, not released, not awake
@@ -151,7 +151,7 @@ def test_current_flows_if_and_only_if_every_condition_holds_in_every_mode_and_st
     assert (opened > 0) == (open_in is not None and memory.state != open_in)
 
 
-def test_any_cut_burns_its_arming_whatever_was_broken():
+def test_any_cut_revokes_its_arming_whatever_was_broken():
     around = [FINE, FINE._replace(force_counts=518), FINE._replace(estop=True), FINE._replace(link_faults=2)]
     for memory, mode in ((RUN, Mode.RUNNING), (RECOVERING, Mode.RECOVER)):
         for _, permit in permits(mode):

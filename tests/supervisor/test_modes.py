@@ -8,7 +8,7 @@ from hydrohil.services.supervisor.modes import Event, Facts, next_mode
 from hydrohil.shared.contract.messages import Mode, TripCause
 
 ALL_FACTS = [Facts(int(TripCause.GATE_CUT) if broken else 0, *rest) for broken, *rest in product([False, True], repeat=7)]
-QUIET = Facts(0, False, False, False, False, False, False)
+QUIET = Facts(broken=0, estop=False, may_arm=False, can_recover=False, held=False, finished=False, armed_too_long=False)
 STEPS = [(mode, event, facts) for mode, event, facts in product(Mode, Event, ALL_FACTS)]
 
 

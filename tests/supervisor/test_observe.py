@@ -93,7 +93,7 @@ def test_what_must_hold_before_motion_is_judged_a_tick_ahead_and_only_in_a_trial
     assert (at_rest.starting, at_rest.moving) == (False, False)
 
 
-def test_samples_between_are_counted_and_a_plant_that_starts_anew_is_seen():
+def test_samples_between_are_counted_and_a_plant_that_starts_anew_is_noticed():
     assert observe(observer_start(), sample(50, 5))[1].transport.lost_samples == 0
     assert observe(after(49), sample(50, 5))[1].transport.lost_samples == 0
     assert observe(after(46), sample(50, 5))[1].transport.lost_samples == 3
@@ -132,9 +132,18 @@ def test_frames_of_another_run_matter_to_a_trial_that_runs():
 
 def test_nothing_is_remembered_at_first():
     still, link = (0.0, 0.0, 0.0), LinkProgress(0, 0.0, 0)
-    force, motion = ForceMemory(0, 0.0, 0.0, 0.0, 0, 0, 0.0), MotionMemory(still, 0.0, still, still, still, link, link, link)
+    force, motion = (
+        ForceMemory(counts=0, raw_n=0.0, smooth_n=0.0, explained_n=0.0, quiet_samples=0, held_ns=0, energy_j=0.0),
+        MotionMemory(q=still, pitch_rad=0.0, tip_m=still, speed=still, tip_m_per_s=still, rotate=link, down_up=link, out_in=link),
+    )
     assert observer_start() == ObserverMemory(
-        NO_COMMAND, NO_TRIAL, 0, Bias(0.0, 0.0, 0.0, 0.0, 0), DeadlineWindow(), force, motion
+        last_number=NO_COMMAND,
+        last_tick=NO_TRIAL,
+        last_time_ns=0,
+        bias=Bias(0.0, 0.0, 0.0, 0.0, 0),
+        answers=DeadlineWindow(),
+        force=force,
+        motion=motion,
     )
 
 
@@ -160,7 +169,7 @@ def test_a_sample_that_comes_again_goes_back_or_is_of_another_trial_begins_every
 
 
 @pytest.mark.parametrize(("before", "tick"), [(NO_TRIAL, NO_TRIAL), (-1, 0), (5, 5), (5, 6)])
-def test_a_newer_sample_of_the_same_trial_or_still_of_none_is_told_with_its_way(before, tick):
+def test_a_newer_sample_of_the_same_trial_or_still_of_none_has_its_way(before, tick):
     memory, first = observe(observer_start(), sample(49, before))
     observed = observe(memory, sample(50, tick, encoder_counts=ELSEWHERE))[1]
     assert (
@@ -209,12 +218,10 @@ def test_time_passes_by_the_stamps_up_to_twice_what_the_numbers_say_and_else_by_
 @pytest.mark.parametrize("axis", range(3))
 @pytest.mark.parametrize("sign", [1.0, -1.0])
 def test_work_is_done_on_the_way_against_the_force_that_the_environment_gives(axis, sign):
-    observing = OBSERVER._replace(force_axis=axis, force_sign=sign)
+    params = OBSERVER._replace(force_axis=axis, force_sign=sign)
     for there, back in ((sample(49, 5).encoder_counts, ELSEWHERE), (ELSEWHERE, sample(49, 5).encoder_counts)):
-        memory, before = observe_step(
-            observer_start(), observing, sample(49, 5, encoder_counts=there, force_counts=PUSHED), RUNNING
-        )
-        observed = observe_step(memory, observing, sample(50, 6, encoder_counts=back, force_counts=PUSHED), RUNNING)[1]
+        memory, before = observe_step(observer_start(), params, sample(49, 5, encoder_counts=there, force_counts=PUSHED), RUNNING)
+        observed = observe_step(memory, params, sample(50, 6, encoder_counts=back, force_counts=PUSHED), RUNNING)[1]
         way_m = (before.motion.tip_m[axis] - observed.motion.tip_m[axis]) * sign
         assert way_m != 0.0
         assert observed.gauge.energy_j == pytest.approx(max(0.0, observed.gauge.smooth_n * way_m))

@@ -20,7 +20,7 @@ GAUGE, COUNT_M = UNIMATE.gauge, UNIMATE.motion.tip_count_m
 NOISE_N, GAUGE_N_PER_M, GAUGE_NS_PER_M = GAUGE.noise_n, GAUGE.stiffness_n_per_m, GAUGE.damping_ns_per_m
 DT_NS = 4_500_000
 DT_S = 0.0045
-NOTHING = ForceMemory(0, 0.0, 0.0, 0.0, 0, 0, 0.0)
+NOTHING = ForceMemory(counts=0, raw_n=0.0, smooth_n=0.0, explained_n=0.0, quiet_samples=0, held_ns=0, energy_j=0.0)
 REST = GaugeMotion(True, 0.0, 0.0, DT_NS, 0.0, 4.0)
 
 
@@ -46,8 +46,12 @@ def played(readings, motion=REST, memory=None, **changes):
 
 
 def test_the_first_reading_begins_every_window():
-    memory, observed = step(ForceMemory(7, 500.0, 400.0, 90.0, 9, 99, 9.0), 50.0, REST._replace(follows=False))
-    assert memory == ForceMemory(37, 50.0, 50.0, 50.0, 0, 0, 0.0)
+    memory, observed = step(
+        ForceMemory(counts=7, raw_n=500.0, smooth_n=400.0, explained_n=90.0, quiet_samples=9, held_ns=99, energy_j=9.0),
+        50.0,
+        REST._replace(follows=False),
+    )
+    assert memory == ForceMemory(counts=37, raw_n=50.0, smooth_n=50.0, explained_n=50.0, quiet_samples=0, held_ns=0, energy_j=0.0)
     assert (observed.jump_n, observed.rate_n_per_s, observed.unexplained_n, observed.smooth_n) == (0.0, 0.0, 0.0, 50.0)
 
 
@@ -138,7 +142,11 @@ def test_what_a_crate_takes_off_the_reading_while_the_tool_moves_is_given_back()
     memory = played([100.0], REST._replace(speed_m_per_s=-0.1))[0]
     memory = step(memory, 100.0, REST._replace(speed_m_per_s=-0.1))[0]
     assert memory.explained_n == pytest.approx(100.0)  # a reading before binds; the allowance of now does not raise it
-    faster = step(ForceMemory(0, 300.0, 300.0, 300.0, 0, 0, 0.0), 100.0, REST._replace(speed_m_per_s=0.1))[0]
+    faster = step(
+        ForceMemory(counts=0, raw_n=300.0, smooth_n=300.0, explained_n=300.0, quiet_samples=0, held_ns=0, energy_j=0.0),
+        100.0,
+        REST._replace(speed_m_per_s=0.1),
+    )[0]
     assert faster.explained_n == pytest.approx(100.0 + 0.1 * GAUGE_NS_PER_M)
 
 
@@ -173,8 +181,19 @@ def test_work_taken_back_beyond_what_was_given_counts_for_nothing():
 
 
 def test_every_window_begins_at_the_first_force():
-    assert force_begin(9, 12.5) == ForceMemory(9, 12.5, 12.5, 12.5, 0, 0, 0.0)
-    memory, observed = step(ForceMemory(9, 9.0, 9.0, 9.0, 9, 9, 9.0), 400.0, REST._replace(follows=False, bias_n=0.0))
+    assert force_begin(9, 12.5) == ForceMemory(
+        counts=9, raw_n=12.5, smooth_n=12.5, explained_n=12.5, quiet_samples=0, held_ns=0, energy_j=0.0
+    )
+    memory, observed = step(
+        ForceMemory(counts=9, raw_n=9.0, smooth_n=9.0, explained_n=9.0, quiet_samples=9, held_ns=9, energy_j=9.0),
+        400.0,
+        REST._replace(follows=False, bias_n=0.0),
+    )
     assert (observed.held_ns, observed.energy_j, memory.quiet_samples) == (DT_NS, 0.0, 0)
     assert step(memory, 400.0, REST._replace(way_m=0.01))[1].energy_j == pytest.approx(4.0)
-    assert step(ForceMemory(0, 290.0, 290.0, 290.0, 0, 5, 0.0), 290.0)[1].held_ns == 0
+    assert (
+        step(
+            ForceMemory(counts=0, raw_n=290.0, smooth_n=290.0, explained_n=290.0, quiet_samples=0, held_ns=5, energy_j=0.0), 290.0
+        )[1].held_ns
+        == 0
+    )

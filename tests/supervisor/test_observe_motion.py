@@ -141,10 +141,18 @@ def test_the_current_that_must_move_a_link_moves_it_by_a_count_whatever_stands_a
     machine = UNIMATE._replace(supply_pressure_pa=6.5e6)
     current_a = sign * (MOTION.moves_up_a if sign > 0.0 else MOTION.moves_down_a)[link]
     for load in LOADS[link]:
-        half_pa = (-sign * params.breakaway_nm - load) / params.displacement_m3_per_rad / 2.0  # left the wrong way round
+        half_pa = (-sign * params.breakaway_tau - load) / params.displacement_m3_per_rad / 2.0  # left the wrong way round
         state = LinkState(0.2, 0.0, params.null_bias_a, 3.25e6 + half_pa, 3.25e6 - half_pa)
         for _ in range(int(0.2 / 50e-6)):
-            state = machine_link_step(state, params, machine, current_a, load, INERTIAS[link], 50e-6)
+            state = machine_link_step(
+                state=state,
+                link=params,
+                machine=machine,
+                current_a=current_a,
+                load_tau=load,
+                inertia_tau_s2_per_q=INERTIAS[link],
+                step_s=50e-6,
+            )
         assert sign * (state.q - 0.2) >= LIMITS.count_q[link]
 
 
@@ -156,10 +164,26 @@ def test_a_link_at_full_speed_comes_to_rest_within_its_braking_way(link):
         for load in LOADS[link]:
             state = LinkState(0.2, 0.0, params.null_bias_a, 3.5e6, 3.5e6)
             for _ in range(8000):
-                state = machine_link_step(state, params, machine, -sign * 0.36, load, INERTIAS[link], 50e-6)._replace(q=0.2)
+                state = machine_link_step(
+                    state=state,
+                    link=params,
+                    machine=machine,
+                    current_a=-sign * 0.36,
+                    load_tau=load,
+                    inertia_tau_s2_per_q=INERTIAS[link],
+                    step_s=50e-6,
+                )._replace(q=0.2)
             current_a, furthest = sign * (MOTION.moves_up_a if sign > 0.0 else MOTION.moves_down_a)[link], 0.0
             for _ in range(3000):
-                state = machine_link_step(state, params, machine, current_a, load, INERTIAS[link], 50e-6)
+                state = machine_link_step(
+                    state=state,
+                    link=params,
+                    machine=machine,
+                    current_a=current_a,
+                    load_tau=load,
+                    inertia_tau_s2_per_q=INERTIAS[link],
+                    step_s=50e-6,
+                )
                 furthest = max(furthest, sign * (0.2 - state.q))
             assert 0.0 < furthest <= MOTION.brakes_q[link] - LIMITS.count_q[link]
 
@@ -195,14 +219,25 @@ STILL = (0.0, 0.0, 0.0)
 def test_every_window_begins_at_the_first_pose():
     nobody, used = LinkProgress(0, 0.0, 0), LinkProgress(1, 0.5, 99)
     pose = Pose((1, 2, 3), (0.1, 0.2, 0.3), 0.4, (0.5, 0.6, 0.7))
-    first = MotionMemory(pose.q, 0.4, pose.tip_m, STILL, STILL, nobody, nobody, nobody)
+    first = MotionMemory(
+        q=pose.q, pitch_rad=0.4, tip_m=pose.tip_m, speed=STILL, tip_m_per_s=STILL, rotate=nobody, down_up=nobody, out_in=nobody
+    )
     assert motion_begin(pose) == first
-    before = MotionMemory((9.0,) * 3, 9.0, (9.0,) * 3, (9.0,) * 3, (9.0,) * 3, used, used, used)
+    before = MotionMemory(
+        q=(9.0,) * 3,
+        pitch_rad=9.0,
+        tip_m=(9.0,) * 3,
+        speed=(9.0,) * 3,
+        tip_m_per_s=(9.0,) * 3,
+        rotate=used,
+        down_up=used,
+        out_in=used,
+    )
     begun = motion_step(before, CODES, pose, CODES.high, False, T_NS)[0]
     assert (begun.speed, begun.tip_m_per_s, begun.rotate.idle_ns) == (STILL, STILL, 0)
 
 
-def test_every_axis_is_told_its_way():
+def test_every_axis_has_its_way():
     memory = motion_begin(Pose((0, 0, 0), (0.1, 0.2, 0.3), 0.4, (0.5, 0.6, 0.7)))
     pose = Pose((1, 2, 3), (0.11, 0.22, 0.33), 0.44, (0.52, 0.66, 0.73))
     after, observed = motion_step(memory, CODES, pose, (2048, 2048, 2048), True, T_NS)
@@ -215,7 +250,7 @@ def test_every_axis_is_told_its_way():
 
 
 @pytest.mark.parametrize("link", range(3))
-def test_the_way_against_its_current_is_told_of_each_link(link):
+def test_the_way_against_its_current_is_that_of_each_link(link):
     step_by = [1, -1, 1][link]  # down/up counts downwards
     driven = tuple(CODES.high[i] if i == link else 2048 for i in range(3))
     memory, observed = play([LEVEL, at(link, LEVEL[link] - 2 * step_by)], driven)

@@ -130,7 +130,7 @@ def test_a_flood_of_events_is_refused_beyond_what_waits_and_an_emergency_stop_ac
         ((accepted, reason, _),) = scene.request("stop")
         assert not accepted and "64 requests wait already" in reason
     assert len(scene.request("estop")) == 1
-    assert scene.supervisor.memory.cause == TripCause.FORCE_RAW  # the trip that is latched stays the one that is told
+    assert scene.supervisor.memory.cause == TripCause.FORCE_RAW  # the trip that is latched stays the one that is reported
     assert waiting == [[]] * 64
     scene.judge()
     assert [len(answers) for answers in waiting] == [1] + [0] * 63

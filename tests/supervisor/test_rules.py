@@ -182,7 +182,7 @@ def test_a_rule_holds_on_its_limit(changes):
 
 
 @pytest.mark.parametrize(("changes", "cause", "measured", "limit"), PAST, ids=lambda value: str(value)[:40])
-def test_a_rule_breaks_just_past_its_limit_and_tells_its_own_numbers(changes, cause, measured, limit):
+def test_a_rule_breaks_just_past_its_limit_and_gives_its_own_numbers(changes, cause, measured, limit):
     found = first_broken(changed(FINE, **changes), LIMITS)
     assert found[0] == cause
     assert same(found[1], measured)
@@ -209,14 +209,14 @@ def test_a_limit_that_is_no_number_holds_nothing(field, cause):
     assert first_broken(changed(FINE, **{field: NAN}), LIMITS)[0] == cause
 
 
-def test_an_encoder_at_its_end_is_told_with_its_own_end():
+def test_an_encoder_at_its_end_is_reported_with_its_own_end():
     ends = LIMITS._replace(low_counts=(1, 2, 3), high_counts=(8000, 2000, 1000))
     for link, (low, high) in enumerate(zip(ends.low_counts, ends.high_counts, strict=True)):
         for end in (low, high):
             assert first_broken(changed(FINE, **one_of("counts", link, end)), ends) == (TripCause.ENCODER_INVALID, end, end)
 
 
-def test_of_several_links_the_one_beyond_is_told():
+def test_of_several_links_the_one_beyond_is_reported():
     for field, cause, limit in (("against", TripCause.MOTION_AGAINST, BRAKES), ("speed", TripCause.JOINT_SPEED, SPEED)):
         observed = changed(FINE, **{field: (limit[0], above(limit[1]), 9.0)})
         assert first_broken(observed, LIMITS) == (cause, above(limit[1]), limit[1])
@@ -285,16 +285,16 @@ def test_plain_and_compiled_rules_agree_on_anything(observed):
     assert isinstance(LIMITS, Limits)
 
 
-def test_every_row_tells_its_number_and_limit_even_while_it_holds():
-    told = {rule.cause: (rule.measured(FINE, LIMITS), rule.limit(FINE, LIMITS)) for rule in RULES}
-    assert told[TripCause.JOINT_LIMIT] == (FINE.motion.q[0], HIGH_Q[0])
-    assert told[TripCause.WORKSPACE] == (FINE.motion.tip_m[0], HIGH_M[0])
-    assert told[TripCause.NOT_READY] == (1.0, 1.0)
-    assert told[TripCause.SAMPLE_LOST] == (0.0, 4.0)
-    assert all(type(number) is float for pair in told.values() for number in pair)
+def test_every_row_gives_its_number_and_limit_even_while_it_holds():
+    numbers = {rule.cause: (rule.measured(FINE, LIMITS), rule.limit(FINE, LIMITS)) for rule in RULES}
+    assert numbers[TripCause.JOINT_LIMIT] == (FINE.motion.q[0], HIGH_Q[0])
+    assert numbers[TripCause.WORKSPACE] == (FINE.motion.tip_m[0], HIGH_M[0])
+    assert numbers[TripCause.NOT_READY] == (1.0, 1.0)
+    assert numbers[TripCause.SAMPLE_LOST] == (0.0, 4.0)
+    assert all(type(number) is float for pair in numbers.values() for number in pair)
 
 
-def test_of_several_values_the_first_outside_its_bounds_is_told():
+def test_of_several_values_the_first_outside_its_bounds_is_reported():
     for edge in (LOW_Q[0], HIGH_Q[0]):
         observed = changed(FINE, q=(edge, above(HIGH_Q[1]), 9.0))
         assert first_broken(observed, LIMITS) == (TripCause.JOINT_LIMIT, above(HIGH_Q[1]), HIGH_Q[1])
@@ -305,7 +305,7 @@ def test_a_bias_on_its_limit_leaves_the_word_to_its_spread():
         assert first_broken(changed(FINE, bias_n=bias_n, bias_spread_n=16.0), LIMITS) == (TripCause.BIAS, 16.0, 15.0)
 
 
-def test_limits_that_cross_let_nothing_pass_and_tell_the_bound_that_broke():
+def test_limits_that_cross_let_nothing_pass_and_report_the_bound_that_broke():
     crossed = LIMITS._replace(config=CONFIG._replace(joint_low_q=(0.3, -0.5, 0.0), joint_high_q=(0.2, 0.4, 1.0)))
     for value, limit in ((0.2, 0.3), (0.25, 0.2)):
         assert first_broken(changed(FINE, q=(value, 0.0, 0.2)), crossed) == (TripCause.JOINT_LIMIT, value, limit)

@@ -19,7 +19,7 @@ from tests.support.wire_scene import MACHINE_ID, FakeBus, header, state_body
 
 
 class Scene:
-    """A supervisor that has heard of the plant, and a plant that is judged sample by sample."""
+    """A supervisor that has received from the plant, and a plant that is judged sample by sample."""
 
     def __init__(self, known=UNKNOWN):
         self.bus, self.known = FakeBus(), known
@@ -177,16 +177,16 @@ def test_without_a_plant_there_is_no_absence_to_wait_for():
     assert Supervisor(Scene().bus)._patience_s() == 0.1
 
 
-def test_what_came_is_told_once_a_second_and_at_a_trip():
+def test_the_link_statistics_are_published_once_a_second_and_at_a_trip():
     scene = Scene()
     scene.armed()
     for _ in range(300):
         scene.judge()
-    assert [told.number for told in scene.bus.of("supervisor/link_stats")] == [222]
+    assert [stats.number for stats in scene.bus.of("supervisor/link_stats")] == [222]
     scene.ask("estop")
-    told = scene.bus.of("supervisor/link_stats")[-1]
-    assert told.number == scene.number
-    assert [inbox.topic for inbox in told.inboxes] == ["plant/sample", "controller/state", "plant/description"]
+    stats = scene.bus.of("supervisor/link_stats")[-1]
+    assert stats.number == scene.number
+    assert [inbox.topic for inbox in stats.inboxes] == ["plant/sample", "controller/state", "plant/description"]
 
 
 class Linked(Scene):
@@ -282,7 +282,7 @@ def test_in_lockstep_a_second_is_a_second_of_samples():
     assert scene.supervisor.cell.samples.protection.observe(scene.number * 4_500_000).faults == 1
 
 
-def test_answers_that_are_not_in_time_are_told_in_the_status():
+def test_answers_that_are_not_in_time_are_in_the_status():
     scene = Scene()
     scene.supervisor.memory = scene.supervisor.memory._replace(
         observer=observer_start()._replace(answers=DeadlineWindow(0b11110, 0, 4, 3))
@@ -396,7 +396,20 @@ def test_a_new_load_forgets_the_samples_that_wait():
 
 def qualified_for(period_ns):
     """A host on which this period is the shortest that is qualified."""
-    return Standing(Qualified(period_ns, "B", "yesterday", period_ns or 1, 4000, 0.0, 1.0, 1.0, 20.0), "qualified")
+    return Standing(
+        Qualified(
+            qualified_period_ns=period_ns,
+            grade="B",
+            measured_at="yesterday",
+            period_ns=period_ns or 1,
+            samples=4000,
+            late_share=0.0,
+            accepted_p999_us=1.0,
+            wake_up_max_us=1.0,
+            lease_ms=20.0,
+        ),
+        "qualified",
+    )
 
 
 @pytest.mark.parametrize(
@@ -436,7 +449,7 @@ def test_a_host_without_a_record_arms_and_says_that_it_is_not_qualified():
     assert scene.armed()[0]
 
 
-def test_a_record_made_since_the_start_counts_from_the_next_load_on():
+def test_a_record_written_since_the_start_counts_from_the_next_load_on():
     scene = Scene()
     assert scene.armed()[0]
     scene.known = qualified_for(0)
@@ -447,7 +460,7 @@ def test_a_record_made_since_the_start_counts_from_the_next_load_on():
     assert not scene.armed()[0]
 
 
-def test_an_armed_cell_whose_plant_then_tells_a_faster_rate_is_disarmed():
+def test_an_armed_cell_whose_plant_then_describes_a_faster_rate_is_disarmed():
     scene = Scene(qualified_for(DESCRIPTION.sample_period_ns))
     assert scene.armed()[0]
     scene.describe(DESCRIPTION._replace(sample_period_ns=DESCRIPTION.sample_period_ns - 50_000))

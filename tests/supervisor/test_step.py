@@ -51,7 +51,7 @@ def started(at=20):
     return step(armed(at - 1), sample(at), asked(Event.START))
 
 
-def test_a_supervisor_begins_disarmed_with_nothing_latched_and_nothing_seen():
+def test_a_supervisor_begins_disarmed_with_nothing_latched_and_no_sample():
     nothing = (0, 0, 0.0, 0.0, NO_COMMAND, NO_COMMAND, 0, 0, (0, 0, 0), observer_start(), False)
     assert SupervisorMemory() == (Mode.DISARMED, *nothing)
 
