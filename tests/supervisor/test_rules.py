@@ -294,6 +294,17 @@ def test_every_row_gives_its_number_and_limit_even_while_it_holds():
     assert all(type(number) is float for pair in numbers.values() for number in pair)
 
 
+def test_while_nothing_is_broken_the_first_value_stands_for_all():
+    triple = (0.001, 0.002, 0.003)
+    observed = changed(FINE, moved_q=(*triple, 0.0005), against=triple, speed=triple)
+    numbers = {rule.cause: (rule.measured(observed, LIMITS), rule.limit(observed, LIMITS)) for rule in RULES}
+    assert first_broken(observed, LIMITS)[0] == 0
+    assert numbers[TripCause.ENCODER_INVALID] == (FINE.motion.counts[0], LIMITS.high_counts[0])
+    assert numbers[TripCause.ENCODER_JUMP] == (0.001, STEP[0])
+    assert numbers[TripCause.MOTION_AGAINST] == (0.001, BRAKES[0])
+    assert numbers[TripCause.JOINT_SPEED] == (0.001, SPEED[0])
+
+
 def test_of_several_values_the_first_outside_its_bounds_is_reported():
     for edge in (LOW_Q[0], HIGH_Q[0]):
         observed = changed(FINE, q=(edge, above(HIGH_Q[1]), 9.0))
