@@ -151,7 +151,19 @@ def test_the_foreign_controller_answers_with_frames_that_the_codec_accepts(still
 
 def test_the_foreign_controller_states_the_machine_that_the_plant_describes(still: SimpleNamespace) -> None:
     controller, key, plant = still.Still(CELL), expression(CELL, "plant/description"), description()
-    header = Header(WIRE_VERSION, BY_KEY["plant/description"].schema, CELL, 0, b"", "plant", 5, 0, 1, -1, 0)
+    header = Header(
+        version=WIRE_VERSION,
+        schema=BY_KEY["plant/description"].schema,
+        cell=CELL,
+        run=0,
+        experiment=b"",
+        sender="plant",
+        epoch=5,
+        arming_id=0,
+        seq=1,
+        echo_number=-1,
+        echo_time_ns=0,
+    )
     controller.learn(encode(key, header, plant))
     thought = read("controller/state", controller.answer_sample(sample_frame())[1])
     assert thought.body.machine_id == machine_id(plant.machine_hash) != 0
