@@ -27,16 +27,16 @@ TOPICS = (
     Topic("plant/description", 23, messages.PlantDescription, "plant", problem=description_problem),
     Topic("controller/command", 5, messages.Command, "controller", per_sample=True, deadline="1 lease", loop=True),
     Topic("controller/state", 24, messages.ControllerState, "controller", per_sample=True, deadline="1 lease"),
-    Topic("supervisor/permit", 7, messages.Permit, "supervisor", per_sample=True, deadline="1 lease", loop=True),
-    Topic("plant/link_stats", 10, messages.LinkStats, "plant"),
-    Topic("controller/link_stats", 11, messages.LinkStats, "controller"),
-    Topic("supervisor/link_stats", 12, messages.LinkStats, "supervisor"),
-    Topic("controller/sample_dropped", 13, messages.SampleDropped, "controller"),
-    Topic("supervisor/sample_dropped", 14, messages.SampleDropped, "supervisor"),
+    Topic("supervisor/permit", 25, messages.Permit, "supervisor", per_sample=True, deadline="1 lease", loop=True),
+    Topic("plant/link_stats", 26, messages.LinkStats, "plant"),
+    Topic("controller/link_stats", 27, messages.LinkStats, "controller"),
+    Topic("supervisor/link_stats", 28, messages.LinkStats, "supervisor"),
+    Topic("controller/sample_dropped", 29, messages.SampleDropped, "controller"),
+    Topic("supervisor/sample_dropped", 30, messages.SampleDropped, "supervisor"),
     Topic("plant/fault", 15, messages.FaultEvent, "plant"),
-    Topic("controller/parameter_change", 16, messages.ParameterEvent, "controller"),
+    Topic("controller/parameter_change", 31, messages.ParameterEvent, "controller"),
 )
-WARMUP = Topic("plant/warmup", 17, messages.Sample, "plant", loop=True)  # repeats the last sample: it is not recorded
+WARMUP = Topic("plant/warmup", 32, messages.Sample, "plant", loop=True)  # repeats the last sample: it is not recorded
 ASK = Topic("operator/request", 8, messages.Ask, "operator")
 ANSWER = Topic("operator/answer", 9, messages.Answer, "")
 BY_KEY = {topic.key: topic for topic in (*TOPICS, WARMUP)}

@@ -98,7 +98,7 @@ def frames(cell: str) -> dict[str, bytes]:
         "version": frame(version=WIRE_VERSION + 1),
         "cell": frame(cell="another"),
         "sender": frame(sender="stranger"),
-        "schema": frame(schema=7),
+        "schema": frame(schema=25),
     } | {"crc": whole[:-1] + bytes([whole[-1] ^ 1])}
 
 
