@@ -1,4 +1,4 @@
-"""What the plant counts: samples, answers, lateness of its grid."""
+"""What the plant counts: samples, answers, and how late its grid is."""
 
 from collections import deque
 from typing import Any

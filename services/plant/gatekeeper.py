@@ -33,7 +33,7 @@ class Gatekeeper:
     """The only one who writes to the device, and the only one who changes what the gate has decided."""
 
     def __init__(self, bus: Bus, device: Device, timeline: Timeline, limits: GateLimits, counters: Counters) -> None:
-        """Shut: nothing moves before a permit and a command allow it."""
+        """The gate is shut: nothing moves before a permit and a command allow it."""
         self.commands: Inbox = bus.subscribe("controller/command")
         self.permits: Inbox = bus.subscribe("supervisor/permit")
         self._dropped = (bus.subscribe("controller/sample_dropped"), bus.subscribe("supervisor/sample_dropped"))
@@ -90,7 +90,7 @@ class Gatekeeper:
         return self.permits.acceptance.accepted > 0 and self.commands.acceptance.accepted > 0
 
     def armed(self, now_ns: int) -> bool:
-        """Whether the gate is bound, or a permit within its lease has an arming id; that of a dead supervisor binds nobody."""
+        """Whether the gate is bound, or a permit within its lease has an arming id; a supervisor that died arms nothing."""
         if self._gate.arming_id != 0:
             return True
         permit = self._mailbox.observe_permit(now_ns)
@@ -121,7 +121,7 @@ class Gatekeeper:
         return [name for name, answered in newest.items() if answered < number]
 
     def begin_trial(self) -> None:
-        """Gate history starts anew, with zero current; what was revoked, or is bound, stays revoked."""
+        """Forget the gate's history and write zero current; an arming that was revoked, or is bound, stays revoked."""
         self._revoke(self._gate.arming_id)
         self._gate = GateMemory(revoked=self._gate.revoked)
         self._device.write(self._gate.codes)

@@ -27,7 +27,7 @@ class Ledger:
         self._entries.pop(number - _REMEMBERED, None)
 
     def age(self, number: int, time_ns: int, now: int) -> int:
-        """Age of the echoed sample, or IMPOSSIBLE if this plant never issued it (or so long ago that it forgot)."""
+        """Age of the echoed sample, or IMPOSSIBLE if this plant never issued it (or has issued many since)."""
         entry = self._entries.get(number)
         if entry is None or entry.time_ns != time_ns or now < entry.stamp:
             return IMPOSSIBLE

@@ -8,7 +8,7 @@ from hydrohil.shared.transport.bus import Run, same_run
 
 
 class Mailbox:
-    """What the gate judges by; a frame of another run or experiment is not taken."""
+    """The messages that the gate judges by; a frame of another run or experiment is refused."""
 
     def __init__(self, ledger: Ledger) -> None:
         """Empty."""
@@ -17,14 +17,14 @@ class Mailbox:
         self.command: Received | None = None
 
     def take_permit(self, message: Received, run: Run) -> bool:
-        """Hold a permit of this run."""
+        """Hold a permit if it is of this run; returns whether it is."""
         taken = same_run(message.header, run)
         if taken:
             self.permit = message
         return taken
 
     def take_command(self, message: Received, run: Run) -> bool:
-        """Hold a command of this run."""
+        """Hold a command if it is of this run; returns whether it is."""
         taken = same_run(message.header, run)
         if taken:
             self.command = message
@@ -32,7 +32,7 @@ class Mailbox:
 
     @property
     def arming_id(self) -> int:
-        """Arming number of the permit held, 0 without one."""
+        """Arming id of the permit held, 0 without one."""
         return self.permit.header.arming_id if self.permit is not None else 0
 
     @property
@@ -46,7 +46,7 @@ class Mailbox:
         return self.permit.header.echo_number if self.permit is not None else NO_COMMAND
 
     def observe_permit(self, now_ns: int) -> PermitObservation:
-        """The permit as the gate sees it now."""
+        """The permit held, with its age at `now_ns`, for the gate."""
         if self.permit is None:
             return NO_PERMIT_OBSERVATION
         header, body = self.permit.header, self.permit.body
@@ -61,7 +61,7 @@ class Mailbox:
         )
 
     def observe_command(self, now_ns: int) -> CommandObservation:
-        """The command as the gate sees it now."""
+        """The command held, with its age at `now_ns`, for the gate."""
         if self.command is None:
             return NO_COMMAND_OBSERVATION
         header, body = self.command.header, self.command.body

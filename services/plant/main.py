@@ -1,6 +1,6 @@
 """Start-up of the plant: the emulator is compiled before the transport opens; the gate's limits come from here alone.
 
-The host is measured from the first moment on, so what takes long to import is imported while that runs.
+The host is measured from the first moment on, so modules that take long to import are imported meanwhile.
 """
 
 import sys

@@ -38,7 +38,7 @@ class Schedule:
         self.first_sample = first_sample
 
     def forget(self) -> None:
-        """No trial any more."""
+        """There is no trial any more."""
         self.first_sample = NO_COMMAND
 
     def tick(self, number: int) -> int:

@@ -18,7 +18,7 @@ def one_publisher(observed: Observed, limits: Limits) -> bool:
 
 @kernel
 def _epoch_conflicts_allowed(observed: Observed, limits: Limits) -> int:
-    """At rest a service may start anew; in motion nobody may."""
+    """At rest a service may be restarted; in motion none may."""
     return 0 if observed.moving else limits.faults_per_s
 
 

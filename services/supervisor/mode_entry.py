@@ -102,7 +102,7 @@ def _armed(memory: SupervisorMemory, judgement: Judgement) -> SupervisorMemory:
 
 @kernel
 def _started(memory: SupervisorMemory, params: SupervisorParams, judgement: Judgement) -> SupervisorMemory:
-    """A trial is announced, and its bias is taken anew."""
+    """A trial is announced, and the bias is measured again."""
     return SupervisorMemory(
         mode=memory.mode,
         arming_id=memory.arming_id,

@@ -54,7 +54,7 @@ class Pose(NamedTuple):
 
 @kernel
 def smooth_speed(speed: float, moved: float, dt_s: float) -> float:
-    """v += (dx - v dt) / (tau + dt); starts anew after a NaN, so that one bad sample is not remembered."""
+    """v += (dx - v dt) / (tau + dt); starts from 0 after a NaN, so that one bad sample is not remembered."""
     if speed != speed:
         speed = 0.0
     return speed + (moved - speed * dt_s) / (SMOOTHING_S + dt_s)
@@ -71,7 +71,7 @@ def _speeds(speeds: Triple, now: Triple, before: Triple, dt_s: float) -> Triple:
 
 @kernel
 def _driven(code: int, low: int, high: int, q: float, stops: tuple[float, float], near_q: float) -> int:
-    """Sign of a current that must move the link: none in between, and none into a stop that it stands at."""
+    """Sign of a current that must move the link: 0 for a current in between, and for one into a stop that it has reached."""
     if code >= high and not q >= stops[1] - near_q:
         return 1
     if code <= low and not q <= stops[0] + near_q:
