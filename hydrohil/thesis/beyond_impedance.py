@@ -31,7 +31,7 @@ from hydrohil.thesis.chapter5 import (
 CUTOFF_HZ, NOISE_N = 0.7, 10.0
 COMPLIANT_N_PER_M, HELD_N_PER_M = 1e3, 50e3  # target stiffness of 5.5 and of 5.3
 ADAPTATIONS = (
-    AdaptationConfig("stiffness", ceiling_n=claims_impedance.CEILING_N, melting_per_s=30.0, release_s=2.5),
+    AdaptationConfig("stiffness", ceiling_n=claims_impedance.CEILING_N, softening_per_s=30.0, release_s=2.5),
     AdaptationConfig("offset", ceiling_n=claims_impedance.CEILING_N, retreat_m_per_s=0.7, release_s=8.0),
     AdaptationConfig("limit_switch", ceiling_n=claims_impedance.CEILING_N, stop_n=800.0, stop_ns_per_m=12e3),
 )

@@ -7,7 +7,8 @@ import numpy as np
 from hydrohil.claims.study import Curve, Panel, Studied
 from hydrohil.claims.trace import Reals, Trace
 from hydrohil.experiment.sections import DOWN_UP_GAINS
-from hydrohil.services.controller.laws import deadband_compensation, relay_sign
+from hydrohil.services.controller.laws.deadband import deadband_compensation
+from hydrohil.services.controller.laws.hysteresis import relay_sign
 from hydrohil.shared.units import A_PER_MA
 from hydrohil.thesis.readings import above, printed
 

@@ -8,7 +8,7 @@ from hydrohil.claims.motion import first_motion_s
 from hydrohil.claims.study import Curve, Panel, Studied
 from hydrohil.claims.trace import Reals, Trace, window
 from hydrohil.experiment.sections import DOWN_UP_GAINS
-from hydrohil.services.controller.laws import stiction_rate
+from hydrohil.services.controller.laws.parts import stiction_rate
 from hydrohil.shared.units import RAD_PER_DEG
 from hydrohil.thesis.readings import HALF, TENTH, above, below
 

@@ -2,12 +2,12 @@
 
 All see the same excess: 0 below an onset, 1 where the force reaches the ceiling, linear between and beyond.
 
-* stiffness: the excess melts the spring, k' = -rate excess k; below the onset it freezes again, k' = (k_0 - k) / release.
+* stiffness: the excess softens the spring, k' = -rate excess k; below the onset it hardens again, k' = (k_0 - k) / release.
 * offset: the excess draws the position set-point away from the surface, o' = speed excess; below the onset o' = -o / release.
 * limit switch: a stop behind the gauge, a spring with a damper, engages at the onset; it pushes the model away from the
   surface with stop excess and brakes its motion with d x', without memory.
 
-The mass stays, and so does the damping ratio: c = 2 xi sqrt(m k) melts with the square root of k, since the damper too
+The mass stays, and so does the damping ratio: c = 2 xi sqrt(m k) falls with the square root of k, since the damper too
 presses on the surface, with c xd'. The axes across the gauge's stay as they are.
 """
 
@@ -32,7 +32,7 @@ def force_excess(adaptation: AdaptationParams, force_n: float) -> float:
 
 @kernel
 def stiffness_loss_step(stiffness_loss: float, adaptation: AdaptationParams, excess: float, dt_s: float) -> float:
-    """What the target has given way after `dt_s` of `excess`: the share of its stiffness that melted, or its offset in m.
+    """What the target has given way after `dt_s` of `excess`: the share of its stiffness that is lost, or its offset in m.
 
     Exact for an excess held over the interval.
     """
@@ -40,8 +40,8 @@ def stiffness_loss_step(stiffness_loss: float, adaptation: AdaptationParams, exc
         return stiffness_loss * math.exp(-dt_s / adaptation.release_s) if dt_s >= 0.0 else math.nan
     if adaptation.kind == ADAPT_OFFSET:
         return stiffness_loss + adaptation.retreat_m_per_s * excess * dt_s
-    melting = adaptation.melting_per_s * excess * dt_s
-    share = (1.0 - stiffness_loss) * math.exp(-melting) if melting >= 0.0 else math.nan
+    softening = adaptation.softening_per_s * excess * dt_s
+    share = (1.0 - stiffness_loss) * math.exp(-softening) if softening >= 0.0 else math.nan
     return 1.0 - share if not share < LEAST_SHARE else 1.0 - LEAST_SHARE
 
 
@@ -49,14 +49,14 @@ def stiffness_loss_step(stiffness_loss: float, adaptation: AdaptationParams, exc
 def retuned(params: ImpedanceParams, stiffness_n_per_m: float, wn_rad_per_s: float, xi: float) -> ImpedanceParams:
     """`params` with another spring, natural frequency and damping ratio."""
     return ImpedanceParams(
-        stiffness_n_per_m,
-        wn_rad_per_s,
-        xi,
-        params.force_gain,
-        params.force_axis,
-        params.force_sign,
-        params.environment_n_per_m,
-        params.formulation,
+        stiffness_n_per_m=stiffness_n_per_m,
+        natural_frequency_rad_per_s=wn_rad_per_s,
+        damping_ratio=xi,
+        force_gain=params.force_gain,
+        force_axis=params.force_axis,
+        force_sign=params.force_sign,
+        environment_n_per_m=params.environment_n_per_m,
+        formulation=params.formulation,
     )
 
 
@@ -167,7 +167,9 @@ def adapted_step(
     if adaptation.kind == ADAPT_LIMIT_SWITCH:
         if excess == 0.0:
             return impedance_step(state, params, nominal_m, force_error_n, dt_s)
-        return stopped_step(state, params, adaptation, excess, nominal_m, force_error_n, dt_s)
+        return stopped_step(
+            state, params, adaptation=adaptation, excess=excess, nominal_m=nominal_m, force_error_n=force_error_n, dt_s=dt_s
+        )
     relieved = with_stiffness_loss(state, stiffness_loss_step(state.stiffness_loss, adaptation, excess, dt_s))
     if adaptation.kind == ADAPT_OFFSET:
         away_m = along_axis(nominal_m, params.force_axis, params.force_sign * relieved.stiffness_loss)

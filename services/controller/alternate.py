@@ -34,7 +34,34 @@ def measured_step(
     push_1 = push_n if params.force_axis == 0 else 0.0
     push_2 = push_n if params.force_axis == 1 else 0.0
     push_3 = push_n if params.force_axis == 2 else 0.0
-    x1, v1 = measured_axis(params, position[0], velocity[0], nominal_m[0] - last[0], x_m[0] - nominal_m[0], v[0], push_1, dt_s)
-    x2, v2 = measured_axis(params, position[1], velocity[1], nominal_m[1] - last[1], x_m[1] - nominal_m[1], v[1], push_2, dt_s)
-    x3, v3 = measured_axis(params, position[2], velocity[2], nominal_m[2] - last[2], x_m[2] - nominal_m[2], v[2], push_3, dt_s)
+    x1, v1 = measured_axis(
+        params,
+        position[0],
+        set_m_per_s=velocity[0],
+        step_m=nominal_m[0] - last[0],
+        error_m=x_m[0] - nominal_m[0],
+        v=v[0],
+        push_n=push_1,
+        dt_s=dt_s,
+    )
+    x2, v2 = measured_axis(
+        params,
+        position[1],
+        set_m_per_s=velocity[1],
+        step_m=nominal_m[1] - last[1],
+        error_m=x_m[1] - nominal_m[1],
+        v=v[1],
+        push_n=push_2,
+        dt_s=dt_s,
+    )
+    x3, v3 = measured_axis(
+        params,
+        position[2],
+        set_m_per_s=velocity[2],
+        step_m=nominal_m[2] - last[2],
+        error_m=x_m[2] - nominal_m[2],
+        v=v[2],
+        push_n=push_3,
+        dt_s=dt_s,
+    )
     return ImpedanceState((x1, x2, x3), (v1, v2, v3), nominal_m, 0.0, 0.0, 0.0), (x1, x2, x3)

@@ -4,10 +4,11 @@ Bounds that one field can state stand beside it; `checks.py` has what only sever
 """
 
 import math
-from typing import Annotated, Literal, NamedTuple
+from typing import TYPE_CHECKING, Annotated, Literal, NamedTuple
 
 from annotated_types import Ge, Gt, Le, MinLen
 
+from hydrohil.services.controller.laws.table import LAW_NAMES, law_number
 from hydrohil.services.controller.params import (
     ADAPT_LIMIT_SWITCH,
     ADAPT_NONE,
@@ -16,14 +17,6 @@ from hydrohil.services.controller.params import (
     FORMULATION_MEASURED,
     FORMULATION_SETPOINT,
     FULL_SLEW_CODES,
-    LAW_DEADBAND,
-    LAW_FINAL,
-    LAW_HYSTERESIS,
-    LAW_MORSE,
-    LAW_PI,
-    LAW_ROBUST,
-    LAW_TORQUE,
-    LAW_VETIA,
     TARGET_CARTESIAN,
     TARGET_EXPLICIT,
     TARGET_IMPEDANCE,
@@ -43,16 +36,6 @@ from hydrohil.shared.contract.messages import PlantDescription
 from hydrohil.shared.machine.description import machine_id
 from hydrohil.shared.units import A_PER_MA
 
-LAWS = {
-    "pi": LAW_PI,
-    "morse": LAW_MORSE,
-    "deadband": LAW_DEADBAND,
-    "hysteresis": LAW_HYSTERESIS,
-    "vetia": LAW_VETIA,
-    "final": LAW_FINAL,
-    "robust": LAW_ROBUST,
-    "torque": LAW_TORQUE,
-}
 TARGETS = {"joint": TARGET_JOINT, "cartesian": TARGET_CARTESIAN, "impedance": TARGET_IMPEDANCE, "explicit": TARGET_EXPLICIT}
 FORMULATIONS = {"setpoint": FORMULATION_SETPOINT, "measured": FORMULATION_MEASURED}
 ADAPTATIONS = {
@@ -61,6 +44,11 @@ ADAPTATIONS = {
     "offset": ADAPT_OFFSET,
     "limit_switch": ADAPT_LIMIT_SWITCH,
 }
+
+if TYPE_CHECKING:
+    LawName = str
+else:
+    LawName = Literal[LAW_NAMES]  # a row of `laws/table.py` is all that a new law needs
 
 LONGEST_S = 3600.0  # of a trial; keeps sines inside their domain
 
@@ -115,7 +103,7 @@ class AdaptationConfig(NamedTuple):
     kind: Literal["none", "stiffness", "offset", "limit_switch"] = "none"
     onset_n: Annotated[float, Ge(0), Le(1e4)] = 20.0  # up to it the target is left alone: twice the noise is contact for certain
     ceiling_n: Annotated[float, Gt(0), Le(1e4)] = 100.0  # contact force at which the gains below act in full
-    melting_per_s: Annotated[float, Ge(0), Le(1e3)] = 30.0  # stiffness: relative rate of its fall
+    softening_per_s: Annotated[float, Ge(0), Le(1e3)] = 30.0  # stiffness: relative rate of its fall
     retreat_m_per_s: Annotated[float, Ge(0), Le(10)] = 0.7  # offset: speed of the set-point away from the surface
     stop_n: Annotated[float, Ge(0), Le(1e4)] = 800.0  # limit switch: push of the stop
     stop_ns_per_m: Annotated[float, Ge(0), Le(1e6)] = 12e3  # limit switch: damping of the engaged stop
@@ -144,7 +132,7 @@ class RecoverCurrents(NamedTuple):
 class ControllerConfig(NamedTuple):
     """The [controller] section of an experiment."""
 
-    law: Literal["pi", "morse", "deadband", "hysteresis", "vetia", "final", "robust", "torque"] = "final"
+    law: LawName = "final"
     target: Literal["joint", "cartesian", "impedance", "explicit"] = "impedance"  # explicit: force control, equivalent (6.2.1)
     acting: ActingLinks = ActingLinks()
     gains: Gains = Gains()
@@ -162,14 +150,14 @@ def impedance_params(config: ImpedanceConfig, force_axis: int, force_sign: float
     xi = config.damping_ratio * (math.sqrt(1.0 + k_eff / k) if config.damping == "net" else 1.0)
     gain = (k + k_eff) / k_eff if config.setpoint_compensation else 1.0
     return ImpedanceParams(
-        float(k),
-        math.sqrt(k / config.mass_kg),
-        float(xi),
-        gain,
-        force_axis,
-        float(force_sign),
-        float(k_eff),
-        FORMULATIONS[config.formulation],
+        stiffness_n_per_m=float(k),
+        natural_frequency_rad_per_s=math.sqrt(k / config.mass_kg),
+        damping_ratio=float(xi),
+        force_gain=gain,
+        force_axis=force_axis,
+        force_sign=float(force_sign),
+        environment_n_per_m=float(k_eff),
+        formulation=FORMULATIONS[config.formulation],
     )
 
 
@@ -189,8 +177,16 @@ def force_cutoff_rad_per_s(config: ImpedanceConfig) -> float:
 
 def adaptation_params(config: AdaptationConfig) -> AdaptationParams:
     """The same numbers for the kernels."""
-    kind, *numbers = config
-    return AdaptationParams(ADAPTATIONS[kind], *(float(number) for number in numbers))
+    return AdaptationParams(
+        kind=ADAPTATIONS[config.kind],
+        onset_n=float(config.onset_n),
+        ceiling_n=float(config.ceiling_n),
+        softening_per_s=float(config.softening_per_s),
+        retreat_m_per_s=float(config.retreat_m_per_s),
+        stop_n=float(config.stop_n),
+        stop_ns_per_m=float(config.stop_ns_per_m),
+        release_s=float(config.release_s),
+    )
 
 
 def setpoint_scaling_params(config: ImpedanceConfig) -> SetpointScalingParams:
@@ -204,7 +200,7 @@ def controller_params(config: ControllerConfig, description: PlantDescription, f
     """Kernel parameters for the machine that `description` describes; the trial begins at the negative `first_tick` (0: none)."""
     recover, acting, gains, target = config.recover_current_a, config.acting, config.gains, config.target
     return ControllerParams(
-        law=LAWS[config.law],
+        law=law_number(config.law),
         target=TARGETS[target],
         acting=(int(acting[0]), int(acting[1]), int(acting[2])),
         gains=(kernel_gains(gains[0], target), kernel_gains(gains[1], target), kernel_gains(gains[2], target)),
@@ -212,7 +208,7 @@ def controller_params(config: ControllerConfig, description: PlantDescription, f
         force_cutoff_rad_per_s=force_cutoff_rad_per_s(config.impedance),
         force_noise_n=float(config.impedance.force_noise_n) if config.impedance.force_filter == "bounded" else math.inf,
         adaptation=adaptation_params(config.adaptation),
-        apparent=setpoint_scaling_params(config.impedance),
+        setpoint_scaling=setpoint_scaling_params(config.impedance),
         machine_id=machine_id(description.machine_hash),
         geometry=description.machine.geometry,
         calibration=calibration(description.machine.encoders, description.machine.force),

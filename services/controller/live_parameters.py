@@ -117,7 +117,15 @@ class Parameters:
         request, self._found_right = self._found_right, None
         ramp = change.last - change.first + 1
         events = tuple(
-            ParameterEvent(change.first, tick, int(request is not None), path, text_of(old), text_of(new), ramp)
+            ParameterEvent(
+                number=change.first,
+                tick=tick,
+                by_hand=int(request is not None),
+                path=path,
+                old=text_of(old),
+                new=text_of(new),
+                ramp_samples=ramp,
+            )
             for path, old, new in differences(change.before, change.after)
         )
         if request is not None:

@@ -1,8 +1,9 @@
 """Parameters that change while a trial runs: which ones may, and how the command stays continuous. Pure.
 
 Law and gains act at one sample; the links that have others take their integral from the current that the valve has
-(`laws.take_over`). The numbers of the target impedance are ramped, mass and stiffness geometrically: the model's position
-goes on from where it is, so that the set-point never steps. Meanwhile, and for `tight_samples` more, the tight slew limit holds.
+(`take_over` in `laws/table.py`). The numbers of the target impedance are ramped, mass and stiffness geometrically: the model's
+position goes on from where it is, so that the set-point never steps. Meanwhile, and for `tight_samples` more, the tight slew
+limit holds.
 """
 
 import math
@@ -22,7 +23,7 @@ _SECTION = "controller"
 _LAW, _GAINS = "controller.law", "controller.gains."
 GEOMETRIC = ("mass_kg", "stiffness_n_per_m")  # of the impedance: positive, and they span decades
 LINEAR = ("damping_ratio",)  # may be 0
-ADAPTED = ("onset_n", "ceiling_n", "melting_per_s", "retreat_m_per_s", "stop_n", "stop_ns_per_m", "release_s")  # linear, too
+ADAPTED = ("onset_n", "ceiling_n", "softening_per_s", "retreat_m_per_s", "stop_n", "stop_ns_per_m", "release_s")  # linear, too
 RAMPED = tuple(f"controller.impedance.{name}" for name in (*GEOMETRIC, *LINEAR)) + tuple(
     f"controller.adaptation.{name}" for name in ADAPTED
 )
@@ -128,10 +129,11 @@ def begun(number: int, before: ControllerConfig, after: ControllerConfig, period
 def handed_over(memory: ControlMemory, change: Change) -> ControlMemory:
     """The memory before the change's first sample: who takes over, and until when the command steps by the tight limit only."""
     before, after = change.before, change.after
-    links = 7 if before.law != after.law else sum(1 << i for i in range(3) if before.gains[i] != after.gains[i])
+    one, two, three = (int(before.law != after.law or old != new) for old, new in zip(before.gains, after.gains, strict=True))
     until = change.last + after.tight_samples if after.tight_samples else 0
     old = memory.handover
-    return memory._replace(handover=Handover(old.links | links, max(old.tight_until, until)))
+    links = (one | old.links[0], two | old.links[1], three | old.links[2])
+    return memory._replace(handover=Handover(links, max(old.tight_until, until)))
 
 
 def acting(change: Change, number: int) -> ControllerConfig:

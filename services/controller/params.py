@@ -15,8 +15,6 @@ from hydrohil.shared.units import A_PER_MA, A_PER_RAD_PER_MA_PER_DEG, RAD_PER_DE
 A_PER_COUNT = 1.0 / UNIMATE.drive.counts_per_a  # the program's thresholds are in counts, 2048 of them are 360 mA
 SQUARE_RAD_PER_DEG = RAD_PER_DEG * RAD_PER_DEG
 
-LAW_PI, LAW_MORSE, LAW_DEADBAND, LAW_HYSTERESIS, LAW_VETIA, LAW_FINAL = 0, 1, 2, 3, 4, 5
-LAW_ROBUST, LAW_TORQUE = 6, 7  # beyond the thesis: its 9.2.1 and 9.2.2
 TARGET_JOINT, TARGET_CARTESIAN, TARGET_IMPEDANCE, TARGET_EXPLICIT = 0, 1, 2, 3
 FORMULATION_SETPOINT, FORMULATION_MEASURED = 0, 1
 ADAPT_NONE, ADAPT_STIFFNESS, ADAPT_OFFSET, ADAPT_LIMIT_SWITCH = 0, 1, 2, 3
@@ -126,7 +124,7 @@ class AdaptationParams(NamedTuple):
     kind: int
     onset_n: float
     ceiling_n: float
-    melting_per_s: float  # relative rate at which the stiffness falls at the ceiling
+    softening_per_s: float  # relative rate at which the stiffness falls at the ceiling
     retreat_m_per_s: float  # speed at which the set-point leaves the surface at the ceiling
     stop_n: float  # push of the stop at the ceiling
     stop_ns_per_m: float  # damping of the model's motion while the stop is engaged
@@ -136,7 +134,7 @@ class AdaptationParams(NamedTuple):
 class ControllerParams(NamedTuple):
     """Everything that the controller's kernels need beside the reference."""
 
-    law: int
+    law: int  # its place in `laws/table.py`
     target: int
     acting: tuple[int, int, int]  # 1 = the link's law drives its valve, 0 = no current
     gains: tuple[LinkGains, LinkGains, LinkGains]
@@ -144,7 +142,7 @@ class ControllerParams(NamedTuple):
     force_cutoff_rad_per_s: float  # of the low-pass on the gauge; 0 = mean of three samples
     force_noise_n: float  # how far the low-pass may be off the reading
     adaptation: AdaptationParams
-    apparent: SetpointScalingParams
+    setpoint_scaling: SetpointScalingParams
     machine_id: int  # of the machine that all of this is for
     geometry: Geometry
     calibration: Calibration

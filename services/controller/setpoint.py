@@ -26,8 +26,8 @@ from hydrohil.shared.machine.description import Triple
 READY_COUNTS = 2.0 + 1e-6  # the reference may start two counts from the pose; the rest is rounding
 
 
-class Seen(NamedTuple):
-    """What the set-points answer to."""
+class Measured(NamedTuple):
+    """What the set-points depend on of one sample."""
 
     q: Triple
     qd: Triple  # by regression, of the sample before, as in the program
@@ -70,28 +70,44 @@ def setpoints(
     trial: Trial,
     deltas: Deltas,
     pitch_rad: float,
-    seen: Seen,
+    measured: Measured,
     dt_s: float,
 ) -> Setpoints:
     """Set-points while the law runs: reference, target impedance, inverse kinematics (thesis 5.1.3, steps 1 to 3)."""
     if params.target not in (TARGET_IMPEDANCE, TARGET_EXPLICIT):
         q, x, clamped = nominal_joints(params, trial, deltas, pitch_rad)
-        return Setpoints(q, x, x, impedance, explicit, offset, clamped)
+        return Setpoints(q=q, x_m=x, nominal_m=x, impedance=impedance, explicit=explicit, offset=offset, clamped=clamped)
     x0, target = trial.x_start_m, params.impedance
     nominal = (x0[0] + deltas[3], x0[1] + deltas[4], x0[2] + deltas[5])
     if params.target == TARGET_EXPLICIT:
-        explicit, way_m = explicit_step(explicit, target, seen.force_n, seen.force_set_n, dt_s)
-        x = along_axis(seen.x_m, target.force_axis, way_m)
+        explicit, way_m = explicit_step(explicit, target, measured.force_n, measured.force_set_n, dt_s)
+        x = along_axis(measured.x_m, target.force_axis, way_m)
     elif target.formulation == FORMULATION_MEASURED:
-        v = tip_velocity(params.geometry, seen.q, pitch_rad, seen.qd)
-        impedance, x = measured_step(impedance, target, nominal, seen.x_m, v, seen.force_n - seen.force_set_n, dt_s)
+        v = tip_velocity(params.geometry, measured.q, pitch_rad, measured.qd)
+        impedance, x = measured_step(
+            impedance,
+            target,
+            nominal_m=nominal,
+            x_m=measured.x_m,
+            v=v,
+            force_error_n=measured.force_n - measured.force_set_n,
+            dt_s=dt_s,
+        )
     else:
-        error_n = seen.force_n - seen.force_set_n
-        offset = withhold(offset, params.apparent, target.force_axis, nominal, seen.force_n)
+        error_n = measured.force_n - measured.force_set_n
+        offset = withhold(offset, params.setpoint_scaling, target.force_axis, nominal, measured.force_n)
         compensated = along_axis(nominal, target.force_axis, -offset.offset_m)
-        impedance, x = adapted_step(impedance, target, params.adaptation, compensated, seen.force_n, error_n, dt_s)
+        impedance, x = adapted_step(
+            impedance,
+            target,
+            adaptation=params.adaptation,
+            nominal_m=compensated,
+            force_n=measured.force_n,
+            force_error_n=error_n,
+            dt_s=dt_s,
+        )
     q, clamped = inverse(params.geometry, x, pitch_rad)
-    return Setpoints(q, x, nominal, impedance, explicit, offset, clamped)
+    return Setpoints(q=q, x_m=x, nominal_m=nominal, impedance=impedance, explicit=explicit, offset=offset, clamped=clamped)
 
 
 @kernel

@@ -11,13 +11,14 @@ from hydrohil.services.controller.explicit import FILTERS_AT_REST, ExplicitState
 from hydrohil.services.controller.filtering import Filtered, filter_step
 from hydrohil.services.controller.impedance import ImpedanceState, mean_of_three, rest
 from hydrohil.services.controller.kinematics import joint_loads
-from hydrohil.services.controller.laws import AT_REST, LinkLawState, law_step, load_feedforward, take_over
+from hydrohil.services.controller.laws.law import AT_REST, LinkLawState, LinkSignals
+from hydrohil.services.controller.laws.table import law_step, take_over
 from hydrohil.services.controller.params import ControllerParams, LinkGains
 from hydrohil.services.controller.reference import Table, reference_deltas
 from hydrohil.services.controller.regression import Window, filled_window, push, velocities
-from hydrohil.services.controller.setpoint import Seen, Setpoints, judge_ready, nominal_joints, setpoints
+from hydrohil.services.controller.setpoint import Measured, Setpoints, judge_ready, nominal_joints, setpoints
 from hydrohil.services.controller.setpoint_scaling import Offset
-from hydrohil.services.controller.trial import Trial, advance, follows, runs
+from hydrohil.services.controller.trial import Trial, advance, begun_trial, follows, runs
 from hydrohil.shared.compiled.kernel import kernel
 from hydrohil.shared.contract.converters import code_to_current, current_to_code
 from hydrohil.shared.contract.messages import NO_TRIAL, ControllerState, GateState, Sample
@@ -36,7 +37,7 @@ LAWS_AT_REST = (AT_REST, AT_REST, AT_REST)
 class Handover(NamedTuple):
     """What a change of parameters leaves to the samples that follow it."""
 
-    links: int = 0  # bit mask of those whose law or gains are others from the next sample on
+    links: tuple[int, int, int] = (0, 0, 0)  # 1 = law or gains of the link are others from the next sample on
     tight_until: int = 0  # number of the first sample at which its tight slew limit holds no more
 
 
@@ -68,6 +69,16 @@ class Force(NamedTuple):
     bias_n: float
 
 
+class JointMotion(NamedTuple):
+    """Positions, velocities and loads of the links at one sample."""
+
+    q: Triple
+    q_set: Triple
+    qd: Triple
+    qd_set: Triple
+    load_tau: Triple
+
+
 class Actuation(NamedTuple):
     """What the laws make of one sample."""
 
@@ -80,11 +91,27 @@ class Actuation(NamedTuple):
 def control_start(params: ControllerParams) -> ControlMemory:
     """Memory of a controller that has seen nothing; the first sample fills it."""
     origin = (0.0, 0.0, 0.0)
-    trial = Trial(-1, NO_TRIAL, 0, False, False, 0, origin, origin, 0, 0)
+    trial = begun_trial(-1, NO_TRIAL, 0, False, origin, origin)
     window = filled_window(0, origin, params.sample_period_ns)
-    start, still, nothing = rest(origin, origin), Filtered(0.0, 0.0), Offset(0.0, origin)
+    return at_rest(trial, window, (0, 0), Filtered(0.0, 0.0), origin)
+
+
+@kernel
+def at_rest(trial: Trial, window: Window, force_counts: tuple[int, int], filtered: Filtered, x: Triple) -> ControlMemory:
+    """Memory of a controller whose laws and target stand at `x` and that has heard of no set-point."""
     return ControlMemory(
-        trial, window, (0, 0), still, (0.0, 0.0), start, FILTERS_AT_REST, nothing, origin, LAWS_AT_REST, 0, NOTHING_CHANGED
+        trial=trial,
+        window=window,
+        force_counts=force_counts,
+        filtered=filtered,
+        force_set_n=(0.0, 0.0),
+        impedance=rest(x, x),
+        explicit=FILTERS_AT_REST,
+        offset=Offset(0.0, x),
+        qd=(0.0, 0.0, 0.0),
+        laws=LAWS_AT_REST,
+        ready=0,
+        handover=NOTHING_CHANGED,
     )
 
 
@@ -94,14 +121,11 @@ def begin(memory: ControlMemory, params: ControllerParams, sample: Sample, q: Tr
     first = sample.tick == params.first_tick and sample.tick < 0
     if not first and follows(memory.trial, sample):
         return memory
-    trial = Trial(sample.number, sample.tick, sample.time_ns, first, first, 0, q, x, 0, 0)
+    trial = begun_trial(sample.number, sample.tick, sample.time_ns, first, q, x)
     window = filled_window(sample.time_ns - params.sample_period_ns, q, params.sample_period_ns)
     counts = (sample.force_counts, sample.force_counts)
-    filtered, still = Filtered(params.calibration.force_n_per_count * sample.force_counts, 0.0), (0.0, 0.0, 0.0)
-    start, nothing = rest(x, x), Offset(0.0, x)
-    return ControlMemory(
-        trial, window, counts, filtered, (0.0, 0.0), start, FILTERS_AT_REST, nothing, still, LAWS_AT_REST, 0, NOTHING_CHANGED
-    )
+    filtered = Filtered(params.calibration.force_n_per_count * sample.force_counts, 0.0)
+    return at_rest(trial, window, counts, filtered, x)
 
 
 @kernel
@@ -145,58 +169,45 @@ def shaped_codes(params: ControllerParams, current_a: Triple, sample: Sample, ti
 
 
 @kernel
-def link_step(
-    drive: Drive,
-    acting: int,
-    takes_over: int,
-    held_code: int,
-    state: LinkLawState,
-    gains: LinkGains,
-    law: int,
-    q: float,
-    q_set: float,
-    qd: float,
-    qd_set: float,
-    load_tau: float,
-    dt_s: float,
-) -> tuple[LinkLawState, float, int]:
+def link_signals(
+    params: ControllerParams, handover: Handover, sample: Sample, motion: JointMotion, link: int, dt_s: float
+) -> LinkSignals:
+    """What the law of one link reads."""
+    return LinkSignals(
+        acting=params.acting[link],
+        takes_over=handover.links[link],
+        held_a=code_to_current(params.drive, sample.dac_counts[link]),
+        q=motion.q[link],
+        q_set=motion.q_set[link],
+        qd=motion.qd[link],
+        qd_set=motion.qd_set[link],
+        load_tau=motion.load_tau[link],
+        dt_s=dt_s,
+    )
+
+
+@kernel
+def link_step(law: int, state: LinkLawState, gains: LinkGains, signals: LinkSignals) -> tuple[LinkLawState, float, int]:
     """Answer of one link's law; of a link that does not act: no current, nothing integrated.
 
-    A law that takes over keeps the current of the code that the D/A holds for this one sample.
+    A law that takes over keeps the current that the valve has for this one sample.
     """
-    if acting == 0:
+    if signals.acting == 0:
         return AT_REST, 0.0, 0
-    if takes_over != 0:
-        held_a = code_to_current(drive, held_code)
-        return take_over(state, gains, law, q, q_set, qd_set, load_tau, held_a), held_a, 0
-    state, current_a, boosted = law_step(state, gains, law, q, q_set, qd, qd_set, dt_s)
-    return state, current_a + load_feedforward(gains, law, load_tau), boosted
+    if signals.takes_over != 0:
+        return take_over(law, state, gains, signals), signals.held_a, 0
+    return law_step(law, state, gains, signals)
 
 
 @kernel
 def apply_laws(
-    params: ControllerParams,
-    laws: Laws,
-    handover: Handover,
-    sample: Sample,
-    q: Triple,
-    q_set: Triple,
-    qd: Triple,
-    qd_set: Triple,
-    load_tau: Triple,
-    dt_s: float,
+    params: ControllerParams, laws: Laws, handover: Handover, sample: Sample, motion: JointMotion, dt_s: float
 ) -> Actuation:
     """Answer of the three links' position laws."""
-    gains, law, on, new, held = params.gains, params.law, params.acting, handover.links, sample.dac_counts
-    law_1, u_1, boosted_1 = link_step(
-        params.drive, on[0], new & 1, held[0], laws[0], gains[0], law, q[0], q_set[0], qd[0], qd_set[0], load_tau[0], dt_s
-    )
-    law_2, u_2, boosted_2 = link_step(
-        params.drive, on[1], new & 2, held[1], laws[1], gains[1], law, q[1], q_set[1], qd[1], qd_set[1], load_tau[1], dt_s
-    )
-    law_3, u_3, boosted_3 = link_step(
-        params.drive, on[2], new & 4, held[2], laws[2], gains[2], law, q[2], q_set[2], qd[2], qd_set[2], load_tau[2], dt_s
-    )
+    law, gains = params.law, params.gains
+    law_1, u_1, boosted_1 = link_step(law, laws[0], gains[0], link_signals(params, handover, sample, motion, 0, dt_s))
+    law_2, u_2, boosted_2 = link_step(law, laws[1], gains[1], link_signals(params, handover, sample, motion, 1, dt_s))
+    law_3, u_3, boosted_3 = link_step(law, laws[2], gains[2], link_signals(params, handover, sample, motion, 2, dt_s))
     current_a, boosted = (u_1, u_2, u_3), (boosted_1, boosted_2, boosted_3)
     return Actuation((law_1, law_2, law_3), current_a, boosted, shaped_codes(params, current_a, sample, handover.tight_until))
 
@@ -216,7 +227,7 @@ def unload(params: ControllerParams, sample: Sample) -> Actuation:
 def control_step(
     memory: ControlMemory, params: ControllerParams, table: Table, sample: Sample
 ) -> tuple[ControlMemory, Codes, ControllerState]:
-    """Answer one sample: (memory, codes for the D/A, what the law thought). `compute_ns` is 0; the shell fills it."""
+    """Answer one sample: (memory, codes for the D/A, the state that it publishes). `compute_ns` is 0; the shell fills it."""
     q, pitch_rad = joint_positions(params.calibration, sample.encoder_counts)
     x = forward(params.geometry, q, pitch_rad)
     memory = begin(memory, params, sample, q, x)
@@ -230,48 +241,74 @@ def control_step(
     ready = memory.ready
     if running:
         force_set_n = mean_of_three(deltas[6], memory.force_set_n[0], memory.force_set_n[1])
-        seen = Seen(q, memory.qd, x, force.mean_n, params.impedance.force_gain * force_set_n)
-        wanted = setpoints(params, memory.impedance, memory.explicit, memory.offset, trial, deltas, pitch_rad, seen, dt_s)
+        measured = Measured(q=q, qd=memory.qd, x_m=x, force_n=force.mean_n, force_set_n=params.impedance.force_gain * force_set_n)
+        setpoint = setpoints(
+            params,
+            impedance=memory.impedance,
+            explicit=memory.explicit,
+            offset=memory.offset,
+            trial=trial,
+            deltas=deltas,
+            pitch_rad=pitch_rad,
+            measured=measured,
+            dt_s=dt_s,
+        )
     else:
         _, nominal, _ = nominal_joints(params, trial, deltas, pitch_rad)
-        wanted = Setpoints(q, x, nominal, rest(x, nominal), FILTERS_AT_REST, Offset(0.0, nominal), 0)
+        setpoint = Setpoints(
+            q=q,
+            x_m=x,
+            nominal_m=nominal,
+            impedance=rest(x, nominal),
+            explicit=FILTERS_AT_REST,
+            offset=Offset(0.0, nominal),
+            clamped=0,
+        )
         ready = judge_ready(params, trial, table, q, pitch_rad)
-    window = push(memory.window, sample.time_ns, q, wanted.q)
+    window = push(memory.window, sample.time_ns, q, setpoint.q)
     qd, qd_set = velocities(window)
     if running:
         load_tau = joint_loads(
             params.geometry, q, pitch_rad, params.impedance.force_axis, params.impedance.force_sign * force.mean_n
         )
-        made = apply_laws(params, memory.laws, memory.handover, sample, q, wanted.q, qd, qd_set, load_tau, dt_s)
+        motion = JointMotion(q=q, q_set=setpoint.q, qd=qd, qd_set=qd_set, load_tau=load_tau)
+        actuation = apply_laws(params, memory.laws, memory.handover, sample, motion, dt_s)
     else:
-        made = unload(params, sample)
-    thought = ControllerState(
+        actuation = unload(params, sample)
+    answer = ControllerState(
         number=sample.number,
         tick=sample.tick,
         q=q,
-        q_set=wanted.q,
+        q_set=setpoint.q,
         qd=qd,
         qd_set=qd_set,
         x_m=x,
-        x_set_m=wanted.x_m,
-        x_nominal_m=wanted.nominal_m,
+        x_set_m=setpoint.x_m,
+        x_nominal_m=setpoint.nominal_m,
         force_n=force.tared_n,
         force_mean_n=force.mean_n,
         force_set_n=deltas[6],
         force_bias_n=force.bias_n,
-        current_a=made.current_a,
-        integral_a=(made.laws[0].integral_a, made.laws[1].integral_a, made.laws[2].integral_a),
-        boosted=made.boosted,
-        clamped=wanted.clamped,
+        current_a=actuation.current_a,
+        integral_a=(actuation.laws[0].integral_a, actuation.laws[1].integral_a, actuation.laws[2].integral_a),
+        boosted=actuation.boosted,
+        clamped=setpoint.clamped,
         ready=ready,
         machine_id=params.machine_id,
         compute_ns=0,
     )
-    force_counts = (sample.force_counts, memory.force_counts[0])
-    force_sets_n = (deltas[6], memory.force_set_n[0])
-    impedance, explicit, offset = wanted.impedance, wanted.explicit, wanted.offset
-    handover = Handover(0, memory.handover.tight_until)
     memory = ControlMemory(
-        trial, window, force_counts, filtered, force_sets_n, impedance, explicit, offset, qd, made.laws, ready, handover
+        trial=trial,
+        window=window,
+        force_counts=(sample.force_counts, memory.force_counts[0]),
+        filtered=filtered,
+        force_set_n=(deltas[6], memory.force_set_n[0]),
+        impedance=setpoint.impedance,
+        explicit=setpoint.explicit,
+        offset=setpoint.offset,
+        qd=qd,
+        laws=actuation.laws,
+        ready=ready,
+        handover=Handover((0, 0, 0), memory.handover.tight_until),
     )
-    return memory, made.codes, thought
+    return memory, actuation.codes, answer

@@ -26,6 +26,23 @@ class Trial(NamedTuple):
 
 
 @kernel
+def begun_trial(number: int, tick: int, time_ns: int, first: bool, q: Triple, x: Triple) -> Trial:
+    """The trial of which nothing has been counted yet; `first`: the sample is its first."""
+    return Trial(
+        number=number,
+        tick=tick,
+        time_ns=time_ns,
+        started=first,
+        whole=first,
+        samples=0,
+        q_start=q,
+        x_start_m=x,
+        bias_sum_counts=0,
+        bias_samples=0,
+    )
+
+
+@kernel
 def follows(trial: Trial, sample: Sample) -> bool:
     """Whether `sample` continues what the controller was in: ticks and numbers advanced alike, or no trial before and now."""
     advance = sample.number - trial.number

@@ -24,8 +24,17 @@ ZERO = (0.0, 0.0, 0.0)
 KINDS = (ADAPT_STIFFNESS, ADAPT_OFFSET, ADAPT_LIMIT_SWITCH)
 
 
-def adaptation(kind, onset_n=20.0, ceiling_n=100.0, melting=20.0, retreat=0.2, stop_n=100.0, stop_ns_per_m=1e3, release_s=2.0):
-    return AdaptationParams(kind, onset_n, ceiling_n, melting, retreat, stop_n, stop_ns_per_m, release_s)
+def adaptation(kind, onset_n=20.0, ceiling_n=100.0, softening=20.0, retreat=0.2, stop_n=100.0, stop_ns_per_m=1e3, release_s=2.0):
+    return AdaptationParams(
+        kind=kind,
+        onset_n=onset_n,
+        ceiling_n=ceiling_n,
+        softening_per_s=softening,
+        retreat_m_per_s=retreat,
+        stop_n=stop_n,
+        stop_ns_per_m=stop_ns_per_m,
+        release_s=release_s,
+    )
 
 
 def run(kind, forces, nominal=None, params=TARGET, dts=None, **changed):
@@ -33,7 +42,15 @@ def run(kind, forces, nominal=None, params=TARGET, dts=None, **changed):
     nominal = np.zeros((len(forces), 3)) if nominal is None else nominal
     for n, force in enumerate(forces):
         dt_s = DT_S if dts is None else float(dts[n])
-        state, x_set = adapted_step(state, params, made, tuple(nominal[n].tolist()), float(force), float(force), dt_s)
+        state, x_set = adapted_step(
+            state,
+            params,
+            adaptation=made,
+            nominal_m=tuple(nominal[n].tolist()),
+            force_n=float(force),
+            force_error_n=float(force),
+            dt_s=dt_s,
+        )
         out.append(x_set)
         stiffness_loss.append(state.stiffness_loss)
     return np.array(out), np.array(stiffness_loss), state
@@ -57,7 +74,15 @@ def test_the_excess_is_zero_on_the_onset_and_one_on_the_ceiling():
 def test_without_adaptation_it_is_the_step_of_the_target_alone():
     state, other = rest(ZERO, ZERO), rest(ZERO, ZERO)
     for force in push():
-        state, x_set = adapted_step(state, TARGET, adaptation(ADAPT_NONE), (0.01, 0.0, 0.02), float(force), float(force), DT_S)
+        state, x_set = adapted_step(
+            state,
+            TARGET,
+            adaptation=adaptation(ADAPT_NONE),
+            nominal_m=(0.01, 0.0, 0.02),
+            force_n=float(force),
+            force_error_n=float(force),
+            dt_s=DT_S,
+        )
         other, wanted = impedance_step(other, TARGET, (0.01, 0.0, 0.02), float(force), DT_S)
         assert (x_set, state) == (wanted, other)
 
@@ -89,7 +114,7 @@ def test_it_gives_way_in_the_direction_of_the_push(kind, sign):
     assert (got[-1, 0] - plain[-1, 0]) * sign > 0.001
 
 
-def test_melting_keeps_mass_and_damping_ratio_so_that_the_damper_softens_too():
+def test_softening_keeps_mass_and_damping_ratio_so_that_the_damper_softens_too():
     soft = softened(TARGET, 0.75)
     assert soft.stiffness_n_per_m == pytest.approx(0.25 * K)
     assert soft.stiffness_n_per_m / soft.natural_frequency_rad_per_s**2 == pytest.approx(MASS)
@@ -103,7 +128,7 @@ def test_a_brake_keeps_mass_and_stiffness():
     assert 2.0 * slow.damping_ratio * math.sqrt(MASS * K) == pytest.approx(C + 300.0)
 
 
-def test_the_spring_melts_as_its_rate_says_and_freezes_with_its_time_constant():
+def test_the_spring_softens_as_its_rate_says_and_hardens_with_its_time_constant():
     def change(_, share):
         return -20.0 * 0.5 * share  # excess 0.5 at 60 N
 
@@ -114,7 +139,7 @@ def test_the_spring_melts_as_its_rate_says_and_freezes_with_its_time_constant():
     assert back[-1] == pytest.approx(stiffness_loss[-1] * math.exp(-444 * DT_S / 2.0))
 
 
-def test_a_spring_never_melts_away():
+def test_a_spring_never_softens_to_nothing():
     _, stiffness_loss, _ = run(ADAPT_STIFFNESS, np.full(4000, 500.0))
     assert stiffness_loss[-1] == 1.0 - LEAST_SHARE
 
@@ -131,7 +156,7 @@ def test_the_stop_pushes_with_its_force_at_the_ceiling_and_leaves_no_trace():
     assert not stiffness_loss.any()
 
 
-def test_a_melting_target_follows_its_differential_equation():
+def test_a_softening_target_follows_its_differential_equation():
     # m x'' + c(t) (x' - xd') + k(t) (x - xd) = f with the k of each sample, c = 2 xi sqrt(m k); the staircase xd kicks by c/m dx
     forces, nominal = push(), path()
     dts = np.random.default_rng(3).uniform(0.004, 0.005, len(forces))
@@ -171,7 +196,9 @@ def test_the_damper_of_the_stop_only_takes_energy():
     # the nominal position stands: kinetic and spring energy grow by no more than the work of force and stop
     made, state, work, before = adaptation(ADAPT_LIMIT_SWITCH, stop_ns_per_m=2e3), rest(ZERO, ZERO), 0.0, 0.0
     for force in push():
-        state, _ = adapted_step(state, TARGET, made, ZERO, float(force), float(force), DT_S)
+        state, _ = adapted_step(
+            state, TARGET, adaptation=made, nominal_m=ZERO, force_n=float(force), force_error_n=float(force), dt_s=DT_S
+        )
         x, v = state.force_offset_m, state.force_velocity_m_per_s
         work += (force + 100.0 * force_excess(made, float(force))) * (x - before)
         assert 0.5 * MASS * v * v + 0.5 * K * x * x <= work + 1e-9
@@ -188,7 +215,9 @@ def test_an_adapting_stiffness_feeds_no_energy_into_a_model_that_only_gives_way(
     # while k only falls, m v^2 / 2 + k x^2 / 2 grows by no more than the work of the force
     made, state, work, before = adaptation(ADAPT_STIFFNESS), rest(ZERO, ZERO), 0.0, 0.0
     for force in np.abs(push()) + 21.0:
-        state, _ = adapted_step(state, TARGET, made, ZERO, float(force), float(force), DT_S)
+        state, _ = adapted_step(
+            state, TARGET, adaptation=made, nominal_m=ZERO, force_n=float(force), force_error_n=float(force), dt_s=DT_S
+        )
         x, v = state.force_offset_m, state.force_velocity_m_per_s
         work += force * (x - before)
         energy = 0.5 * MASS * v * v + 0.5 * K * (1.0 - state.stiffness_loss) * x * x
@@ -199,7 +228,15 @@ def test_an_adapting_stiffness_feeds_no_energy_into_a_model_that_only_gives_way(
 def test_position_and_velocity_are_continuous_where_the_stiffness_jumps():
     _, _, state = run(ADAPT_STIFFNESS, push())
     for force in (20.0, 400.0):
-        new, _ = adapted_step(state, TARGET, adaptation(ADAPT_STIFFNESS), state.nominal_m, force, force, 1e-9)
+        new, _ = adapted_step(
+            state,
+            TARGET,
+            adaptation=adaptation(ADAPT_STIFFNESS),
+            nominal_m=state.nominal_m,
+            force_n=force,
+            force_error_n=force,
+            dt_s=1e-9,
+        )
         assert new.force_offset_m == pytest.approx(state.force_offset_m, abs=1e-8)
         assert new.force_velocity_m_per_s == pytest.approx(state.force_velocity_m_per_s, abs=1e-7)
 
@@ -211,7 +248,9 @@ def test_against_a_spring_the_steady_force_falls_below_that_of_the_target_alone(
         state, force, stiff, peak = rest(ZERO, ZERO), 0.0, TARGET._replace(damping_ratio=XI), 0.0
         for n in range(4000):
             nominal = (0.0, 0.0, -0.06 * min(1.0, n / 1000.0))
-            state, x_set = adapted_step(state, stiff, adaptation(kind), nominal, force, force, DT_S)
+            state, x_set = adapted_step(
+                state, stiff, adaptation=adaptation(kind), nominal_m=nominal, force_n=force, force_error_n=force, dt_s=DT_S
+            )
             force = max(0.0, -25e3 * x_set[2])
             peak = max(peak, force)
         return force, peak
@@ -231,5 +270,9 @@ def test_no_input_leaves_the_domain_and_compiled_agrees_in_every_bit():
         for value in (math.nan, math.inf, -math.inf, 0.0, 20.0, 1e-320, 1e308, 77.7):
             for dt_s in (DT_S, 0.0, -1.0, math.nan):
                 assert repr(stiffness_loss_step(0.25, made, value, dt_s)) == repr(fast_stiffness_loss(0.25, made, value, dt_s))
-                plain = adapted_step(state, TARGET, made, (0.1, 0.2, 0.3), value, value, dt_s)
-                assert repr(plain) == repr(fast(state, TARGET, made, (0.1, 0.2, 0.3), value, value, dt_s))
+                plain = adapted_step(
+                    state, TARGET, adaptation=made, nominal_m=(0.1, 0.2, 0.3), force_n=value, force_error_n=value, dt_s=dt_s
+                )
+                assert repr(plain) == repr(
+                    fast(state, TARGET, adaptation=made, nominal_m=(0.1, 0.2, 0.3), force_n=value, force_error_n=value, dt_s=dt_s)
+                )

@@ -30,7 +30,9 @@ def test_the_set_point_is_that_of_the_differential_equation_for_inputs_held_over
     force = rng.normal(size=120) * 100.0
     state, wanted, rate = rest(ZERO, ZERO), np.zeros(3), np.zeros(3)
     for i in range(120):
-        state, x_set = measured_step(state, params, tuple(nominal[i]), tuple(x[i]), tuple(v[i]), force[i], DT_S)
+        state, x_set = measured_step(
+            state, params, nominal_m=tuple(nominal[i]), x_m=tuple(x[i]), v=tuple(v[i]), force_error_n=force[i], dt_s=DT_S
+        )
         rate = rate + c / MASS_KG * (nominal[i] - (nominal[i - 1] if i else 0.0))  # what c x_d' is at a step
         push = sign * force[i] * (np.arange(3) == axis)
         a = (push - c * v[i] - k * (x[i] - nominal[i])) / MASS_KG
@@ -46,7 +48,9 @@ def test_a_tool_that_follows_at_once_moves_and_presses_as_by_the_first_formulati
     params, state, x, force = _params(k), rest(ZERO, ZERO), ZERO, []
     for _ in range(4000):
         force.append(-K_EFF * x[2])
-        state, x = measured_step(state, params, ZERO, x, state.velocity_m_per_s, force[-1] - 100.0, DT_S)
+        state, x = measured_step(
+            state, params, nominal_m=ZERO, x_m=x, v=state.velocity_m_per_s, force_error_n=force[-1] - 100.0, dt_s=DT_S
+        )
     c = _damping(k)
     run = solve_ivp(
         lambda _, s: (s[1], (100.0 - c * s[1] - (k + K_EFF) * s[0]) / MASS_KG),
@@ -64,7 +68,7 @@ def test_a_force_error_that_remains_moves_the_set_point_without_end():
     # the filter has no finite steady state (thesis 6.2.2): twice the time is four times the way
     params, state, way_m = _params(), rest(ZERO, ZERO), []
     for _ in range(1000):
-        state, x_set = measured_step(state, params, ZERO, ZERO, ZERO, -100.0, DT_S)
+        state, x_set = measured_step(state, params, nominal_m=ZERO, x_m=ZERO, v=ZERO, force_error_n=-100.0, dt_s=DT_S)
         way_m.append(x_set[2])
     assert way_m[999] == pytest.approx(4.0 * way_m[499])
     assert way_m[999] == pytest.approx(-0.5 * 100.0 / MASS_KG * (1000 * DT_S) ** 2)
@@ -72,7 +76,7 @@ def test_a_force_error_that_remains_moves_the_set_point_without_end():
 
 def test_a_tool_at_its_nominal_position_stays_exactly_there():
     x = (0.91, -0.2, -0.37)
-    state, x_set = measured_step(rest(x, x), _params(), x, x, ZERO, 0.0, DT_S)
+    state, x_set = measured_step(rest(x, x), _params(), nominal_m=x, x_m=x, v=ZERO, force_error_n=0.0, dt_s=DT_S)
     assert x_set == x
     assert state.velocity_m_per_s == ZERO
 

@@ -83,7 +83,16 @@ def test_kernel_parameters_hold_floats_even_where_ints_were_written():
         gains=UNIMATE_GAINS._replace(rotate=UNIMATE_GAINS.rotate._replace(kp_a_per_q=5)),
         impedance=ImpedanceConfig(mass_kg=1, stiffness_n_per_m=4, damping_ratio=1),
         recover_current_a=RecoverCurrents(0, 0, 0),
-        adaptation=AdaptationConfig("stiffness", 20, 100, 20, 1, 100, 1000, 2),
+        adaptation=AdaptationConfig(
+            kind="stiffness",
+            onset_n=20,
+            ceiling_n=100,
+            softening_per_s=20,
+            retreat_m_per_s=1,
+            stop_n=100,
+            stop_ns_per_m=1000,
+            release_s=2,
+        ),
     )
     params = controller_params(config, DESCRIPTION, -444)
     assert all(type(value) is float for gains in params.gains for value in gains)

@@ -7,13 +7,16 @@ from scipy.signal import lsim
 from hydrohil.services.controller.config import ImpedanceConfig, impedance_params
 from hydrohil.services.controller.explicit import FILTERS_AT_REST, explicit_step
 from hydrohil.services.controller.impedance import impedance_step, rest
-from hydrohil.services.controller.laws import AT_REST, law_step
-from hydrohil.services.controller.params import LAW_PI, UNIMATE_GAINS
+from hydrohil.services.controller.laws.law import AT_REST
+from hydrohil.services.controller.laws.table import law_number, law_step
+from hydrohil.services.controller.params import UNIMATE_GAINS
 from hydrohil.shared.compiled.kernel import compiled
+from tests.support.link_signals import signals
 
 DT_S = 0.0045
 MASS_KG, K_EFF = 500.0, 6200.0
 ZERO = (0.0, 0.0, 0.0)
+LAW_PI = law_number("pi")
 NO_DEAD_ZONE = UNIMATE_GAINS[1]._replace(error_dead_zone_q=0.0)
 
 
@@ -78,7 +81,7 @@ def test_law_and_filter_may_change_places():
 def _law(errors):
     state, out = AT_REST, []
     for error in errors:
-        state, current_a, _ = law_step(state, NO_DEAD_ZONE, LAW_PI, 0.0, error, 0.0, 0.0, DT_S)
+        state, current_a, _ = law_step(LAW_PI, state, NO_DEAD_ZONE, signals(0.0, error, 0.0, 0.0, DT_S))
         out.append(current_a)
     return np.array(out)
 
@@ -104,7 +107,7 @@ def _impedance_controlled(params, dt_s, seconds):
     for _ in range(round(seconds / dt_s)):
         f = -K_EFF * x
         state, x_set = impedance_step(state, params, ZERO, f - 100.0, dt_s)
-        law, current_a, _ = law_step(law, NO_DEAD_ZONE, LAW_PI, x, x_set[2], 0.0, 0.0, dt_s)
+        law, current_a, _ = law_step(LAW_PI, law, NO_DEAD_ZONE, signals(x, x_set[2], 0.0, 0.0, dt_s))
         x += 0.5 * current_a * dt_s
         force.append(f)
     return np.array(force)
@@ -116,7 +119,7 @@ def _explicitly_controlled(params, dt_s, seconds):
     for _ in range(round(seconds / dt_s)):
         f = -K_EFF * x
         state, way_m = explicit_step(state, params, f, 100.0, dt_s)
-        law, current_a, _ = law_step(law, NO_DEAD_ZONE, LAW_PI, 0.0, way_m, 0.0, 0.0, dt_s)
+        law, current_a, _ = law_step(LAW_PI, law, NO_DEAD_ZONE, signals(0.0, way_m, 0.0, 0.0, dt_s))
         x += 0.5 * current_a * dt_s
         force.append(f)
     return np.array(force)

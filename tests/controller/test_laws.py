@@ -5,45 +5,26 @@ import pytest
 from scipy.integrate import solve_ivp
 from scipy.optimize import brentq
 
-from hydrohil.services.controller.laws import (
-    AT_REST,
-    LinkLawState,
-    braking_acceleration,
-    braking_gain,
-    deadband_compensation,
-    law_step,
-    load_feedforward,
-    morse_factor,
-    peak_speed,
-    position_error,
-    relay_sign,
-    stiction_rate,
-    take_over,
-)
-from hydrohil.services.controller.params import (
-    A_PER_COUNT,
-    DOWN_UP_GAINS,
-    LAW_DEADBAND,
-    LAW_FINAL,
-    LAW_HYSTERESIS,
-    LAW_MORSE,
-    LAW_PI,
-    LAW_ROBUST,
-    LAW_TORQUE,
-    LAW_VETIA,
-    OUT_IN_GAINS,
-    ROTATE_GAINS,
-    LinkGains,
-)
+from hydrohil.services.controller.laws.deadband import deadband_compensation
+from hydrohil.services.controller.laws.final import braking_acceleration
+from hydrohil.services.controller.laws.hysteresis import relay_sign
+from hydrohil.services.controller.laws.law import AT_REST, Law, LinkLawState
+from hydrohil.services.controller.laws.parts import morse_factor, peak_speed, position_error, stiction_rate
+from hydrohil.services.controller.laws.robust import robust_braking_gain
+from hydrohil.services.controller.laws.table import LAW_NAMES, LAWS, fold, law_number, law_step, take_over
+from hydrohil.services.controller.laws.torque import load_feedforward
+from hydrohil.services.controller.params import A_PER_COUNT, DOWN_UP_GAINS, OUT_IN_GAINS, ROTATE_GAINS, LinkGains
 from hydrohil.services.plant.params import UNIMATE
 from hydrohil.shared.compiled.kernel import compiled
 from hydrohil.shared.units import A_PER_MA, RAD_PER_DEG
+from tests.support.link_signals import signals
 
 G = DOWN_UP_GAINS
 DEG = RAD_PER_DEG
 MA = A_PER_MA
 DT_S = 0.0045
-LAWS = (LAW_PI, LAW_MORSE, LAW_DEADBAND, LAW_HYSTERESIS, LAW_VETIA, LAW_FINAL)
+LAW_PI, LAW_MORSE, LAW_DEADBAND, LAW_HYSTERESIS, LAW_VETIA, LAW_FINAL, LAW_ROBUST, LAW_TORQUE = range(len(LAWS))
+EVERY_LAW = tuple(range(len(LAWS)))
 RTD = 180.0 / math.pi
 
 
@@ -121,7 +102,9 @@ def test_the_final_law_computes_what_the_program_computes_in_its_own_units(link)
         moves = math.sin(5.3 * t) > 0.0  # sticks half of the time
         q, qd = (0.9 * q_set, 0.9 * qd_set) if moves else (0.5 * size, 0.0)
         want = program.step(q, q_set, qd, qd_set, DT_S)
-        state, current_a, boosted = law_step(state, gains, LAW_FINAL, q * unit, q_set * unit, qd * unit, qd_set * unit, DT_S)
+        state, current_a, boosted = law_step(
+            LAW_FINAL, state, gains, signals(q * unit, q_set * unit, qd * unit, qd_set * unit, DT_S)
+        )
         boosts += boosted
         assert current_a == pytest.approx(want * A_PER_COUNT, rel=1e-9, abs=1e-12)
         assert state.integral_a == pytest.approx(program.intg * A_PER_COUNT, rel=1e-9, abs=1e-12)
@@ -137,7 +120,7 @@ def test_morse_and_vetia_are_the_program_with_the_later_steps_left_out(law):
     for i in range(500):
         q_set, qd_set = 0.3 * math.sin(i * 0.02), 1.3 * math.cos(i * 0.02)
         want = program.step(0.1, q_set, 0.01, qd_set, DT_S)
-        state, current_a, _ = law_step(state, gains, law, 0.1 * DEG, q_set * DEG, 0.01 * DEG, qd_set * DEG, DT_S)
+        state, current_a, _ = law_step(law, state, gains, signals(0.1 * DEG, q_set * DEG, 0.01 * DEG, qd_set * DEG, DT_S))
         assert current_a == pytest.approx(want * A_PER_COUNT, rel=1e-9)
 
 
@@ -149,9 +132,9 @@ def test_table_2_and_the_program_state_the_same_gains():
 
 
 def test_the_linear_law_is_proportional_plus_integral_with_115_ma_per_deg_s():
-    state, u, _ = law_step(AT_REST, G, LAW_PI, 0.0, 1.0 * DEG, 0.0, 0.0, 0.1)
+    state, u, _ = law_step(LAW_PI, AT_REST, G, signals(0.0, 1.0 * DEG, 0.0, 0.0, 0.1))
     assert u == pytest.approx((215 + 11.5) * MA)
-    _, u, _ = law_step(state, G, LAW_PI, 0.0, 1.0 * DEG, 0.0, 0.0, 0.1)
+    _, u, _ = law_step(LAW_PI, state, G, signals(0.0, 1.0 * DEG, 0.0, 0.0, 0.1))
     assert u == pytest.approx((215 + 23.0) * MA)
 
 
@@ -160,12 +143,12 @@ def test_the_linear_law_is_proportional_plus_integral_with_115_ma_per_deg_s():
 )
 def test_small_errors_vanish_only_while_the_set_point_is_slow(error_deg, speed_deg_per_s, ignored):
     for sign in (1.0, -1.0):
-        e = position_error(G, 0.0, sign * error_deg * DEG, sign * speed_deg_per_s * DEG)
+        e = position_error(G, signals(0.0, sign * error_deg * DEG, 0.0, sign * speed_deg_per_s * DEG))
         assert (e == 0.0) == ignored
 
 
 def test_the_dead_zone_does_not_hold_on_its_limit():
-    assert position_error(G, 0.0, G.error_dead_zone_q, 0.0) == G.error_dead_zone_q
+    assert position_error(G, signals(0.0, G.error_dead_zone_q, 0.0, 0.0)) == G.error_dead_zone_q
 
 
 def test_the_morse_factor_is_one_while_following_and_small_after_a_step():
@@ -198,7 +181,7 @@ def _stuck(law, speed_deg_per_s, samples, gains=G):
     state, currents, boosts = AT_REST, [], []
     for i in range(samples):
         q_set = speed_deg_per_s * DEG * i * DT_S
-        state, u, boosted = law_step(state, gains, law, 0.0, q_set, 0.0, speed_deg_per_s * DEG, DT_S)
+        state, u, boosted = law_step(law, state, gains, signals(0.0, q_set, 0.0, speed_deg_per_s * DEG, DT_S))
         currents.append(u)
         boosts.append(boosted)
     return state, currents, boosts
@@ -222,13 +205,13 @@ def test_the_trigger_stands_at_the_threshold_rate():
 @pytest.mark.parametrize(("integral_ma", "boosted"), [(79.0, 1), (80.0, 0)])
 def test_a_current_above_the_boosts_threshold_is_not_boosted(sign, integral_ma, boosted):
     state = AT_REST._replace(integral_a=sign * integral_ma * MA)
-    assert law_step(state, G, LAW_VETIA, 0.0, 0.0, 0.0, sign * 1.0 * DEG, DT_S)[2] == boosted
+    assert law_step(LAW_VETIA, state, G, signals(0.0, 0.0, 0.0, sign * 1.0 * DEG, DT_S))[2] == boosted
 
 
 def test_the_boost_is_armed_again_once_the_link_has_moved():
     state, _, _ = _stuck(LAW_VETIA, 0.25, 3)
     assert state.boost_armed == 0
-    state, _, _ = law_step(state, G, LAW_VETIA, 0.0, 0.0, 0.25 * DEG, 0.25 * DEG, DT_S)
+    state, _, _ = law_step(LAW_VETIA, state, G, signals(0.0, 0.0, 0.25 * DEG, 0.25 * DEG, DT_S))
     assert state.boost_armed == 1
 
 
@@ -240,9 +223,9 @@ def test_deadband_compensation_is_linear_inside_its_width_and_constant_outside()
 
 def test_deadband_compensation_adds_to_the_morse_current_and_not_to_its_integral():
     args = (0.0, 0.1 * DEG, 0.0, 0.0, DT_S)
-    plain, u, _ = law_step(AT_REST, G, LAW_MORSE, *args)
+    plain, u, _ = law_step(LAW_MORSE, AT_REST, G, signals(*args))
     for law in (LAW_DEADBAND, LAW_HYSTERESIS):
-        state, compensated, _ = law_step(AT_REST, G, law, *args)
+        state, compensated, _ = law_step(law, AT_REST, G, signals(*args))
         assert compensated == pytest.approx(u + 88 * MA)
         assert state.integral_a == plain.integral_a
 
@@ -257,22 +240,25 @@ def test_a_nan_anywhere_makes_the_current_nan():
     for index in range(4):
         args = [0.1, 0.2, 0.3, 0.4]
         args[index] = math.nan
-        assert math.isnan(law_step(AT_REST, G, LAW_FINAL, *args, DT_S)[1])
+        assert math.isnan(law_step(LAW_FINAL, AT_REST, G, signals(*args, DT_S))[1])
 
 
 def test_no_input_leaves_the_domain_and_compiled_agrees_in_every_bit():
     fast = compiled(law_step)
     rng = np.random.default_rng(1)
     edges = [math.nan, math.inf, -math.inf, 0.0, -0.0, 1e308, 1e-320, *(float(v) for v in rng.normal(size=4))]
-    for law in LAWS:
+    for law in EVERY_LAW[:6]:
         plain_state, fast_state = AT_REST, AT_REST
         for _ in range(300):
             args = [float(v) for v in rng.choice(edges[3:], 4)] + [DT_S]
             if rng.random() < 0.3:
                 args[int(rng.integers(5))] = float(rng.choice(edges))
-            plain, quick = law_step(AT_REST, G, law, *args), fast(AT_REST, G, law, *args)
+            plain, quick = law_step(law, AT_REST, G, signals(*args)), fast(law, AT_REST, G, signals(*args))
             assert repr(plain) == repr(quick)
-            plain_state, fast_state = law_step(plain_state, G, law, *args)[0], fast(fast_state, G, law, *args)[0]
+            plain_state, fast_state = (
+                law_step(law, plain_state, G, signals(*args))[0],
+                fast(law, fast_state, G, signals(*args))[0],
+            )
             assert repr(plain_state) == repr(fast_state)
 
 
@@ -285,7 +271,7 @@ def _brake(law, speed_deg_per_s, samples=40, gains=G):
     state = AT_REST
     for share in np.sin(np.linspace(0.0, np.pi, 2 * samples + 1))[1:]:
         speed = max(float(share), 1e-9) * speed_deg_per_s * DEG  # at 0 the set-point stands and is not braked
-        state, _, boosted = law_step(state, gains, law, 0.0, 0.0, speed, speed, DT_S)
+        state, _, boosted = law_step(law, state, gains, signals(0.0, 0.0, speed, speed, DT_S))
         assert boosted == 0
     return state.integral_a
 
@@ -309,16 +295,16 @@ def test_a_large_motion_is_braked_by_the_robust_law_as_by_the_final_law_in_every
         t = i * DT_S
         q_set, qd_set = 1.0 * math.sin(6.0 * t) * DEG, 6.0 * math.cos(6.0 * t) * DEG
         args = (0.9 * q_set, q_set, 0.8 * qd_set, qd_set, DT_S)
-        one, u, _ = law_step(one, G, LAW_ROBUST, *args)
-        other, wanted, _ = law_step(other, G, LAW_FINAL, *args)
+        one, u, _ = law_step(LAW_ROBUST, one, G, signals(*args))
+        other, wanted, _ = law_step(LAW_FINAL, other, G, signals(*args))
         assert u == wanted
 
 
 def test_a_set_point_that_noise_moves_is_braked_as_by_the_final_law():
     rng, one, other = np.random.default_rng(3), AT_REST, AT_REST
     for speed in rng.uniform(-0.15, 0.15, 2000) * DEG:
-        one = law_step(one, G, LAW_ROBUST, 0.0, 0.0, 0.0, float(speed), DT_S)[0]
-        other = law_step(other, G, LAW_FINAL, 0.0, 0.0, 0.0, float(speed), DT_S)[0]
+        one = law_step(LAW_ROBUST, one, G, signals(0.0, 0.0, 0.0, float(speed), DT_S))[0]
+        other = law_step(LAW_FINAL, other, G, signals(0.0, 0.0, 0.0, float(speed), DT_S))[0]
     assert one.integral_a == other.integral_a != 0.0
 
 
@@ -340,7 +326,7 @@ def test_the_robust_law_is_the_solution_of_its_differential_equation():
     seen = []
     for t in times:
         q_set, qd_set = amplitude * math.sin(omega * t), peak * math.cos(omega * t)
-        state, _, boosted = law_step(state, gains, LAW_ROBUST, 0.9 * q_set, q_set, 0.9 * qd_set, qd_set, dt_s)
+        state, _, boosted = law_step(LAW_ROBUST, state, gains, signals(0.9 * q_set, q_set, 0.9 * qd_set, qd_set, dt_s))
         assert boosted == 0
         seen.append(state.integral_a)
     exact = solve_ivp(rate, (0.0, times[-1]), [0.0], t_eval=times, max_step=2e-3, rtol=1e-8, atol=1e-12).y[0]
@@ -359,14 +345,16 @@ def test_a_motion_is_as_fast_as_its_fastest_moment_until_the_set_point_stands_or
 
 def test_braking_stays_finite_however_slow_the_motion_was():
     gains = G._replace(stiction_rate_min_q_per_s=0.0)
-    assert braking_gain(gains, LAW_ROBUST, 0.0) == gains.ka_a_s_per_q
-    assert braking_gain(G, LAW_ROBUST, 1e-320) == G.ka_a_s_per_q
+    assert robust_braking_gain(gains, 0.0) == gains.ka_a_s_per_q
+    assert robust_braking_gain(G, 1e-320) == G.ka_a_s_per_q
 
 
 def test_only_the_torque_law_feeds_the_load_forward_and_against_it():
-    assert load_feedforward(G, LAW_TORQUE, 200.0) == pytest.approx(-13.6 * MA)
-    assert load_feedforward(G, LAW_TORQUE, -200.0) == pytest.approx(13.6 * MA)
-    assert {load_feedforward(G, law, 200.0) for law in (*LAWS, LAW_ROBUST)} == {0.0}
+    assert load_feedforward(G, 200.0) == pytest.approx(-13.6 * MA)
+    assert load_feedforward(G, -200.0) == pytest.approx(13.6 * MA)
+    for law in EVERY_LAW:
+        free, loaded = (law_step(law, AT_REST, G, signals(0.0, 0.01, 0.0, 0.1, load_tau=tau))[1] for tau in (0.0, 200.0))
+        assert loaded - free == pytest.approx(-13.6 * MA if law == LAW_TORQUE else 0.0)
 
 
 @pytest.mark.parametrize(
@@ -395,12 +383,14 @@ def test_the_later_laws_agree_in_every_bit_compiled_and_never_leave_the_domain()
             args = [float(v) for v in rng.choice(edges[3:], 4)] + [DT_S]
             if rng.random() < 0.3:
                 args[int(rng.integers(5))] = float(rng.choice(edges))
-            assert repr(law_step(AT_REST, G, law, *args)) == repr(fast(AT_REST, G, law, *args))
-            plain_state, fast_state = law_step(plain_state, G, law, *args)[0], fast(fast_state, G, law, *args)[0]
+            assert repr(law_step(law, AT_REST, G, signals(*args))) == repr(fast(law, AT_REST, G, signals(*args)))
+            plain_state, fast_state = (
+                law_step(law, plain_state, G, signals(*args))[0],
+                fast(law, fast_state, G, signals(*args))[0],
+            )
             assert repr(plain_state) == repr(fast_state)
 
 
-EVERY_LAW = (*LAWS, LAW_ROBUST, LAW_TORQUE)
 OLD = LinkLawState(0.3, 0, 0.1, -1, 0.2)  # of whatever law there was before
 
 
@@ -408,13 +398,13 @@ OLD = LinkLawState(0.3, 0, 0.1, -1, 0.2)  # of whatever law there was before
 @pytest.mark.parametrize("held_a", [-0.2, -0.105, -0.1, -0.09, -0.05, -0.005, 0.0, 0.005, 0.05, 0.09, 0.1, 0.2])
 @pytest.mark.parametrize("error", [-0.02, 0.0, 0.003])
 def test_a_law_that_takes_over_gives_the_current_that_the_valve_has(law, held_a, error):
-    load_tau = 40.0
-    state = take_over(OLD, G, law, 0.1, 0.1 + error, 0.0, load_tau, held_a)
-    after, current_a, boosted = law_step(state, G, law, 0.1, 0.1 + error, 0.0, 0.0, 0.0)  # at rest no law resets or boosts
+    read = signals(0.1, 0.1 + error, 0.0, 0.0, dt_s=0.0, load_tau=40.0, held_a=held_a)  # at rest no law resets or boosts
+    state = take_over(law, OLD, G, read)
+    after, current_a, boosted = law_step(law, state, G, read)
     if law == LAW_HYSTERESIS and G.hysteresis_a < abs(held_a) < G.deadband_positive_a - G.hysteresis_a:
         assert current_a == pytest.approx(math.copysign(G.deadband_positive_a, held_a))  # the relay leaps over it: its own level
     else:
-        assert current_a + load_feedforward(G, law, load_tau) == pytest.approx(held_a, abs=1e-12)
+        assert current_a == pytest.approx(held_a, abs=1e-12)
     assert after.integral_a == pytest.approx(state.integral_a) and boosted == 0
 
 
@@ -422,17 +412,17 @@ def test_other_gains_keep_the_sum_of_proportional_and_integral_term():
     stiffer = G._replace(kp_a_per_q=2.0 * G.kp_a_per_q)
     e, before = 0.01, LinkLawState(0.03)
     held_a = G.kp_a_per_q * e + before.integral_a
-    after = take_over(before, stiffer, LAW_PI, 0.0, e, 0.0, 0.0, held_a)
+    after = take_over(LAW_PI, before, stiffer, signals(0.0, e, 0.0, 0.0, held_a=held_a))
     assert after.integral_a == pytest.approx(before.integral_a + (G.kp_a_per_q - stiffer.kp_a_per_q) * e)
 
 
 def test_inside_the_dead_zone_the_integral_takes_all_of_the_current():
     e = 0.99 * G.error_dead_zone_q
-    assert take_over(OLD, G, LAW_FINAL, 0.0, e, 0.0, 0.0, 0.04).integral_a == 0.04
+    assert take_over(LAW_FINAL, OLD, G, signals(0.0, e, 0.0, 0.0, held_a=0.04)).integral_a == 0.04
 
 
 def test_what_a_law_remembers_of_the_motion_is_handed_on():
-    after = take_over(OLD, G, LAW_FINAL, 0.0, 0.01, 0.15, 0.0, 0.04)
+    after = take_over(LAW_FINAL, OLD, G, signals(0.0, 0.01, 0.0, 0.15, held_a=0.04))
     assert (after.boost_armed, after.qd_set, after.peak_q_per_s) == (OLD.boost_armed, 0.15, OLD.peak_q_per_s)
 
 
@@ -440,5 +430,25 @@ def test_compiled_and_plain_take_over_to_the_same_bits():
     fast = compiled(take_over)
     for law in EVERY_LAW:
         for held_a in (-0.2, -0.03, 0.0, 0.05, 0.36):
-            arguments = (OLD, G, law, 0.1, 0.12, 0.05, 30.0, held_a)
+            arguments = (law, OLD, G, signals(0.1, 0.12, 0.0, 0.05, load_tau=30.0, held_a=held_a))
             assert tuple(fast(*arguments)) == tuple(take_over(*arguments))
+
+
+def test_a_law_is_found_by_its_name_and_no_two_have_one():
+    assert LAW_NAMES == ("pi", "morse", "deadband", "hysteresis", "vetia", "final", "robust", "torque")
+    assert [law_number(name) for name in LAW_NAMES] == list(EVERY_LAW)
+
+
+def test_a_number_that_no_row_has_gives_no_current():
+    state, current_a, boosted = law_step(len(LAWS), OLD, G, signals(0.0, 0.01, 0.0, 0.0))
+    assert math.isnan(current_a) and (state, boosted) == (OLD, 0)
+    assert math.isnan(take_over(len(LAWS), OLD, G, signals(0.0, 0.01, 0.0, 0.0)).integral_a)
+
+
+def test_a_row_more_is_a_law_more():
+    double = Law("double", lambda state, gains, signals: (state, 2.0 * (signals.q_set - signals.q), 0))
+    step, part = fold((*LAWS, double))
+    read = signals(0.0, 0.25, 0.0, 0.0)
+    assert step(len(LAWS), OLD, G, read) == (OLD, 0.5, 0)
+    assert part(len(LAWS), OLD, G, read, 0.1) == (0.1, OLD.relay)
+    assert step(LAW_PI, OLD, G, read) == law_step(LAW_PI, OLD, G, read)

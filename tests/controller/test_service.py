@@ -7,7 +7,7 @@ import pytest
 from hydrohil.experiment.experiment import Experiment, to_plain, warnings
 from hydrohil.experiment.overrides import with_overrides
 from hydrohil.services.controller.config import ControllerConfig, ScheduledChange
-from hydrohil.services.controller.params import LAW_FINAL, LAW_PI
+from hydrohil.services.controller.laws.table import law_number
 from hydrohil.services.controller.service import Controller
 from hydrohil.services.controller.step import Handover
 from hydrohil.shared.contract.codec import Received
@@ -154,12 +154,14 @@ def test_a_change_acts_at_the_next_sample_which_the_answer_names_and_is_told_val
     assert accepted and values["number"] == number and values["ramp_samples"] == 1
     assert [one["path"] for one in values["changed"]] == ["controller.law", "controller.gains.down_up.kp_a_per_rad"]
     law, gain = cell.bus.of("controller/parameter_change")
-    assert law == ParameterEvent(number, 41, 1, "controller.law", '"final"', '"pi"', 1)
+    assert law == ParameterEvent(
+        number=number, tick=41, by_hand=1, path="controller.law", old='"final"', new='"pi"', ramp_samples=1
+    )
     assert (gain.old, gain.new) == (repr(before.gains[1].kp_a_per_q), "3.0")
     assert cell.controller.params == before._replace(
-        law=LAW_PI, gains=(before.gains[0], before.gains[1]._replace(kp_a_per_q=3.0), before.gains[2])
+        law=law_number("pi"), gains=(before.gains[0], before.gains[1]._replace(kp_a_per_q=3.0), before.gains[2])
     )
-    assert cell.controller.memory.handover == Handover(0, number + cell.controller.config.tight_samples)
+    assert cell.controller.memory.handover == Handover((0, 0, 0), number + cell.controller.config.tight_samples)
     assert cell.controller.status()["changed"][0] == 'controller.law "final" -> "pi"'
 
 
@@ -305,12 +307,12 @@ def test_what_the_experiment_schedules_acts_at_its_tick_in_every_trial_and_is_to
     cell = Cell(SWING._replace(changes=changes), "lockstep")
     for _ in range(2):
         cell.to_tick(19)
-        assert cell.controller.params.law == LAW_FINAL
+        assert cell.controller.params.law == law_number("final")
         cell.sample(20)
-        assert cell.controller.params.law == LAW_PI
+        assert cell.controller.params.law == law_number("pi")
         assert "lockstep" in cell.ask("parameters", set=["controller.law=morse"])[1]
         cell.sample()
-        assert cell.controller.params.law == LAW_FINAL
+        assert cell.controller.params.law == law_number("final")
     assert [(told.tick, told.by_hand) for told in cell.bus.of("controller/parameter_change")] == [(20, 0), (20, 0)]
     real = Cell(SWING._replace(changes=changes)).to_tick(3)
     assert "[[changes]]" in real.ask("parameters", set=["controller.law=morse"])[1]

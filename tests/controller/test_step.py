@@ -42,7 +42,20 @@ def _sample(tick, counts=COUNTS, force=30, gate=None, dac=STOPPED, open_samples=
     trial_ns = 0 if tick == NO_TRIAL else tick * PERIOD_NS + late_ns
     opened = open_samples if gate == OPEN else 0
     return Sample(
-        number, number * PERIOD_NS + late_ns, tick, trial_ns, counts, force, dac, gate, 0, opened, signs, number - 1, 0, 0
+        number=number,
+        time_ns=number * PERIOD_NS + late_ns,
+        tick=tick,
+        trial_time_ns=trial_ns,
+        encoder_counts=counts,
+        force_counts=force,
+        dac_counts=dac,
+        gate=gate,
+        gate_cause=0,
+        gate_open_samples=opened,
+        recover_signs=signs,
+        command_number=number - 1,
+        command_late_substeps=0,
+        command_age_ns=0,
     )
 
 
@@ -410,6 +423,7 @@ def test_plain_and_compiled_agree_in_every_bit_for_all_laws_targets_filters_and_
 
 
 TIGHT = 100
+NONE, ALL = (0, 0, 0), (1, 1, 1)
 
 
 def _changed(memory, links, until=0):
@@ -421,10 +435,10 @@ def test_a_law_that_takes_over_holds_the_accepted_current_and_goes_on_from_it(la
     old, new = _params(law="pi", target="joint"), _params(law=law, target="joint")
     memory, _ = _run(old, JOINT_STEP, [*_bias_phase(), *(_sample(t) for t in range(30))])
     held = (2300, 1900, 2048)
-    memory, ((codes, thought),) = _run(new, JOINT_STEP, [_sample(30, dac=held)], _changed(memory, 7))
+    memory, ((codes, thought),) = _run(new, JOINT_STEP, [_sample(30, dac=held)], _changed(memory, ALL))
     assert all(abs(code - before) <= 1 for code, before in zip(codes, held, strict=True))  # the converter truncates
     assert thought.current_a == tuple(code_to_current(UNIMATE.drive, code) for code in held) and thought.boosted == (0, 0, 0)
-    assert memory.handover.links == 0
+    assert memory.handover.links == NONE
     for state, gains, q, q_set, current_a in zip(
         memory.laws, new.gains, thought.q, thought.q_set, thought.current_a, strict=True
     ):
@@ -438,7 +452,7 @@ def test_only_the_links_that_are_named_take_over_and_those_that_do_not_act_stay_
     memory, _ = _run(params, segments, [*_bias_phase(), *(_sample(t) for t in range(30))])
     sample = _sample(30, dac=(2300, 1900, 2048))
     _, ((_, alone),) = _run(params, segments, [sample], memory)
-    memory, ((_, thought),) = _run(params, segments, [sample], _changed(memory, 0b110))
+    memory, ((_, thought),) = _run(params, segments, [sample], _changed(memory, (0, 1, 1)))
     assert thought.current_a == (alone.current_a[0], code_to_current(UNIMATE.drive, 1900), 0.0)
     assert memory.laws[2].integral_a == 0.0
 
@@ -447,7 +461,7 @@ def test_only_the_links_that_are_named_take_over_and_those_that_do_not_act_stay_
 def test_the_tight_slew_limit_of_a_change_holds_up_to_its_last_sample_and_not_at_the_next(until, step):
     params = _params(law="pi", target="joint")
     memory, _ = _run(params, JOINT_STEP, [*_bias_phase(), *(_sample(t) for t in range(30))])
-    _, ((codes, _),) = _run(params, JOINT_STEP, [_sample(30, dac=(820, 820, 820))], _changed(memory, 0, until))
+    _, ((codes, _),) = _run(params, JOINT_STEP, [_sample(30, dac=(820, 820, 820))], _changed(memory, NONE, until))
     (free, _), *_ = _run(params, JOINT_STEP, [_sample(30, dac=(820, 820, 820))], memory)[1]
     assert all(code > 820 + TIGHT for code in free)
     assert codes == (free if step > TIGHT else (820 + TIGHT,) * 3)
@@ -456,5 +470,5 @@ def test_the_tight_slew_limit_of_a_change_holds_up_to_its_last_sample_and_not_at
 def test_a_trial_that_begins_knows_nothing_of_a_change_before():
     params = _params(target="joint")
     memory, _ = _run(params, (), [*_bias_phase(), _sample(0)])
-    memory, _ = _run(params, (), [_sample(FIRST, number=5000)], _changed(memory, 7, 10**6))
-    assert memory.handover == Handover(0, 0)
+    memory, _ = _run(params, (), [_sample(FIRST, number=5000)], _changed(memory, ALL, 10**6))
+    assert memory.handover == Handover(NONE, 0)

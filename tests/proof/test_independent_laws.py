@@ -11,13 +11,16 @@ import pytest
 from scipy.integrate import solve_ivp
 
 from hydrohil.services.controller.kinematics import inverse
-from hydrohil.services.controller.laws import AT_REST, law_step
-from hydrohil.services.controller.params import DOWN_UP_GAINS, LAW_FINAL, LAW_MORSE, LAW_PI, LAW_VETIA, OUT_IN_GAINS, ROTATE_GAINS
+from hydrohil.services.controller.laws.law import AT_REST
+from hydrohil.services.controller.laws.table import law_number, law_step
+from hydrohil.services.controller.params import DOWN_UP_GAINS, OUT_IN_GAINS, ROTATE_GAINS
 from hydrohil.shared.contract.pose import forward, wrist
 from hydrohil.shared.machine.unimate import UNIMATE
 from hydrohil.shared.units import RAD_PER_DEG
+from tests.support.link_signals import signals
 
 G = DOWN_UP_GAINS
+LAW_PI, LAW_MORSE, LAW_VETIA, LAW_FINAL = map(law_number, ("pi", "morse", "vetia", "final"))
 DEG = RAD_PER_DEG
 DT_S = 0.0045
 LINKS = (ROTATE_GAINS, DOWN_UP_GAINS, OUT_IN_GAINS)
@@ -28,7 +31,7 @@ def currents_and_integrals(law, gains, motion, times):
     state, found = AT_REST, []
     for t in times:
         q, q_set, qd, qd_set = motion(t)
-        state, current, _ = law_step(state=state, gains=gains, law=law, q=q, q_set=q_set, qd=qd, qd_set=qd_set, dt_s=DT_S)
+        state, current, _ = law_step(law, state, gains, signals(q, q_set, qd, qd_set, DT_S))
         found.append((current, state.integral_a))
     return np.array(found)
 
@@ -103,18 +106,11 @@ def test_a_boost_sets_the_integral_to_appendix_cs_formula(gains, sign):
     boost_a = gains.boost_positive_a if sign > 0 else -gains.boost_negative_a
     for charge_a in (0.0, 0.01, -0.02):
         state, before, boosted = law_step(
-            state=AT_REST._replace(integral_a=charge_a),
-            gains=gains,
-            law=LAW_VETIA,
-            q=0.0,
-            q_set=e,
-            qd=0.0,
-            qd_set=rate,
-            dt_s=DT_S,
+            LAW_VETIA, AT_REST._replace(integral_a=charge_a), gains, signals(0.0, e, 0.0, rate, DT_S)
         )
         assert boosted == 1 and abs(before) < gains.boost_below_a
         assert state.integral_a == pytest.approx(boost_a - gains.kp_a_per_q * e, rel=1e-12)
-        _, after, again = law_step(state=state, gains=gains, law=LAW_VETIA, q=0.0, q_set=e, qd=0.0, qd_set=rate, dt_s=DT_S)
+        _, after, again = law_step(LAW_VETIA, state, gains, signals(0.0, e, 0.0, rate, DT_S))
         alpha = gains.alpha_max_q2_per_s2 * (0.001 + abs(rate) / gains.qd_max_q_per_s)
         charged = (boost_a - gains.kp_a_per_q * e + gains.ki_a_per_q_s * e * DT_S) * alpha / (alpha + rate * rate)
         assert again == 0
