@@ -5,7 +5,6 @@ import numpy as np
 import pytest
 
 from hydrohil.services.controller.config import (
-    LAWS,
     TARGETS,
     AdaptationConfig,
     ControllerConfig,
@@ -15,6 +14,7 @@ from hydrohil.services.controller.config import (
     segment_table,
 )
 from hydrohil.services.controller.explicit import FILTERS_AT_REST
+from hydrohil.services.controller.laws.table import LAW_NAMES
 from hydrohil.services.controller.step import Handover, control_start, control_step, slewed_code
 from hydrohil.shared.compiled.kernel import compiled
 from hydrohil.shared.contract.converters import ZERO_CODE, code_to_current, current_to_code
@@ -395,8 +395,8 @@ def test_plain_and_compiled_agree_in_every_bit_for_all_laws_targets_filters_and_
     joint = (Segment("q1", "sine", 0.0, 1.0, 0.1, frequency_hz=1.0), Segment("q2", "ramp", 0.1, 0.5, 0.1, blend_s=0.2))
     space = (Segment("z", "sine", 0.0, 1.0, 0.05, frequency_hz=1.0), Segment("force", "step", 0.2, amount=50.0))
     moving = 0
-    settings = [{"law": law, "target": target} for law, target in itertools.product(LAWS, TARGETS)]
-    settings += [{"law": law, "impedance": ImpedanceConfig(formulation="measured")} for law in LAWS]
+    settings = [{"law": law, "target": target} for law, target in itertools.product(LAW_NAMES, TARGETS)]
+    settings += [{"law": law, "impedance": ImpedanceConfig(formulation="measured")} for law in LAW_NAMES]
     settings += [
         {"impedance": ImpedanceConfig(force_filter=name, force_cutoff_hz=2.0), "adaptation": AdaptationConfig(kind, onset_n=5.0)}
         for name, kind in (("butterworth", "stiffness"), ("bounded", "offset"), ("bounded", "limit_switch"))
@@ -430,7 +430,7 @@ def _changed(memory, links, until=0):
     return memory._replace(handover=Handover(links, until))
 
 
-@pytest.mark.parametrize("law", [law for law in LAWS if law != "pi"])
+@pytest.mark.parametrize("law", [law for law in LAW_NAMES if law != "pi"])
 def test_a_law_that_takes_over_holds_the_accepted_current_and_goes_on_from_it(law):
     old, new = _params(law="pi", target="joint"), _params(law=law, target="joint")
     memory, _ = _run(old, JOINT_STEP, [*_bias_phase(), *(_sample(t) for t in range(30))])
