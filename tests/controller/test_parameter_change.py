@@ -27,6 +27,7 @@ from hydrohil.services.controller.parameter_change import (
 from hydrohil.services.controller.step import Handover, control_start
 from hydrohil.services.plant.config import GateLimits, PlantConfig
 from hydrohil.services.plant.plant_description import describe
+from hydrohil.shared.machine.unimate import UNIMATE
 
 DESCRIPTION = describe(PlantConfig(), GateLimits())
 PERIOD_NS = 4_500_000
@@ -184,9 +185,9 @@ def test_a_ramp_over_every_decade_that_may_be_stays_between_its_ends():
 
 def test_a_mass_too_small_to_be_one_is_refused():
     tiny, small = (LOADED._replace(impedance=LOADED.impedance._replace(mass_kg=mass)) for mass in (5e-324, 1e-300))
-    check(small, (), (0.0, 0.0, 0.212))
+    check(small, (), (0.0, 0.0, 0.212), geometry=UNIMATE.geometry)
     with pytest.raises(ValueError, match="mass_kg"):
-        check(tiny, (), (0.0, 0.0, 0.212))
+        check(tiny, (), (0.0, 0.0, 0.212), geometry=UNIMATE.geometry)
 
 
 @pytest.mark.parametrize("share", [0.0, 0.25, 1.0])
@@ -226,9 +227,12 @@ def test_a_configuration_is_examined_in_short_steps_as_it_is_checked():
     reference = (Segment("force", "sine", 0.0, 10.0, 100.0, frequency_hz=0.5),)
     met = ContactEnvironment("free", 0.0, 2, 1.0, 0.0)
     start = (0.0, 0.0, 0.212)
-    check(config, reference, start, 0.0, met)
-    assert len(list(examine(config, reference, start, 0.0, met))) == 1001 // CHECKED_AT_ONCE
+    check(config, reference, start, 0.0, met, geometry=UNIMATE.geometry)
+    assert len(list(examine(config, reference, start, 0.0, met, geometry=UNIMATE.geometry))) == 1001 // CHECKED_AT_ONCE
     soft = config._replace(impedance=config.impedance._replace(stiffness_n_per_m=100.0))
-    for examined in (lambda: check(soft, reference, start, 0.0, met), lambda: list(examine(soft, reference, start, 0.0, met))):
+    for examined in (
+        lambda: check(soft, reference, start, 0.0, met, geometry=UNIMATE.geometry),
+        lambda: list(examine(soft, reference, start, 0.0, met, geometry=UNIMATE.geometry)),
+    ):
         with pytest.raises(ValueError, match="beyond the travel"):
             examined()
