@@ -60,7 +60,7 @@ class Collector:
             self._bus.unsubscribe(inbox)
 
     def trip(self, run: int) -> str:
-        """Why this run tripped, in words; "" if it did not. The permits tell: an overloaded cell may answer no request."""
+        """Why this run tripped, in words; "" if it did not. Permits say it: an overloaded cell may answer no request."""
         newest = self.permits.peek()
         if not isinstance(newest, Received) or newest.header.run != run or newest.body.mode != Mode.TRIPPED:
             return ""
@@ -70,10 +70,10 @@ class Collector:
 
     def changed(self, run: int) -> tuple[str, ...]:
         """Parameters that were changed by hand in this run, in words."""
-        told = (
+        events = (
             m.body for inbox in self._others if inbox.topic.key == CHANGED for m in self._messages(inbox) if m.header.run == run
         )
-        return tuple(change_words(event) for event in told if event.by_hand)
+        return tuple(change_words(event) for event in events if event.by_hand)
 
     def report(self, cell: str) -> Document | None:
         """The trip that was heard of, with everything around it; None if there was none."""
@@ -94,7 +94,7 @@ class Collector:
         return taken
 
     def _cut(self, run: int) -> str:
-        """Why the gate cut in this run, in words; "" if it told of no cut."""
+        """Why the gate cut in this run, in words; "" if it reported no cut."""
         events = (m.body for m in self._messages(self.gate_events) if m.header.run == run)
         event = next((body for body in events if body.state == GateState.REVOKED), None)
         if event is None:

@@ -23,5 +23,5 @@ def outcome(answer: Answer | None) -> tuple[bool, str]:
 
 
 def drives(codes: list[int]) -> str:
-    """What a converter that does not do as it is told gives to the valves."""
+    """What a converter that does not hold the codes written to it gives to the valves."""
     return f"the D/A drives the valves with the codes {', '.join(map(str, codes))} ({ZERO_CODE} is zero current)"

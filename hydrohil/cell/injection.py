@@ -6,7 +6,7 @@ One table says which groups an operator, or a trial, may ask for.
 from collections.abc import Callable, Iterable
 from typing import Any
 
-from hydrohil.cell.process_faults import strike_now
+from hydrohil.cell.process_faults import inject_now
 from hydrohil.cell.processes import LOOP, ask
 from hydrohil.shared.contract.envelope import checked
 from hydrohil.shared.contract.faults import ROWS, Fault, Group, Row, problem, row_of
@@ -16,8 +16,8 @@ from hydrohil.shared.transport.impairment import paths_of
 
 def by_plant(bus: Bus, fault: Fault) -> str:
     """Ask the plant to break its machine; returns what was done, in words. Raises CellError."""
-    made = ask(bus, "plant", "inject", fault=fault._asdict())
-    return f"begins at sample {made['number']}"
+    answer = ask(bus, "plant", "inject", fault=fault._asdict())
+    return f"begins at sample {answer['number']}"
 
 
 def by_receivers(bus: Bus, fault: Fault) -> str:
@@ -31,7 +31,7 @@ INJECTORS: dict[Group, Callable[[Bus, Fault], str]] = {  # into a cell that runs
     "sensor": by_plant,
     "actuator": by_plant,
     "transport": by_receivers,
-    "process": strike_now,
+    "process": inject_now,
 }
 SCHEDULED: tuple[Group, ...] = ("sensor", "actuator", "transport", "process")  # what is played of a trial's section [[faults]]
 

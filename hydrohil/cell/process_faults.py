@@ -47,7 +47,7 @@ class ProcessFaults:
         self._bus = bus
         self._waiting = [_ending(fault, duration_s) for fault in sorted(faults, key=lambda fault: fault.at_s)]
         self._pids = _answering(bus, self._waiting) if self._waiting else {}
-        self._undo: list[tuple[float, Fault, Undo]] = []  # by the wall clock: a trial whose plant is struck stands still
+        self._undo: list[tuple[float, Fault, Undo]] = []  # by the wall clock: a trial whose plant is frozen stands still
         self.done: list[str] = []
 
     @property
@@ -73,7 +73,7 @@ class ProcessFaults:
 
     def _begin(self, fault: Fault, trial_s: float) -> None:
         try:
-            undo = strike(self._bus, fault, self._pids)
+            undo = carry_out(self._bus, fault, self._pids)
         except CellError as error:
             self.done.append(f"{_words(fault)}: failed at {trial_s:.3f} s: {error}")
             return
@@ -86,13 +86,13 @@ class ProcessFaults:
         self.done.append(f"{_words(fault)}: ended {when}")
 
 
-def strike_now(bus: Bus, fault: Fault) -> str:
-    """Strike a cell that runs, and undo it when its time is over; what was done, in words. Raises CellError."""
+def inject_now(bus: Bus, fault: Fault) -> str:
+    """Inject into a cell that runs, and undo it when its time is over; what was done, in words. Raises CellError."""
     if fault.kind in LASTING and not fault.lasts_s:
         raise RefusedError(f"{fault.kind} needs a time (`--for SECONDS`): this command undoes it again")
     known = _answering(bus, (fault,))
     time.sleep(max(0.0, fault.at_s))
-    undo = strike(bus, fault, known)
+    undo = carry_out(bus, fault, known)
     if undo is None:
         return "done"
     try:
@@ -102,7 +102,7 @@ def strike_now(bus: Bus, fault: Fault) -> str:
     return f"done, and undone after {fault.lasts_s:g} s"
 
 
-def strike(bus: Bus, fault: Fault, known: dict[str, int]) -> Undo | None:
+def carry_out(bus: Bus, fault: Fault, known: dict[str, int]) -> Undo | None:
     """Carry one fault out now; returns what undoes it, if anything must. Raises CellError."""
     match fault.kind:
         case "kill":
@@ -133,7 +133,7 @@ def _answering(bus: Bus, faults: Iterable[Fault]) -> dict[str, int]:
     known = pids(bus)
     for fault in faults:
         if fault.target in PROCESSES and fault.target not in known:
-            raise CellError(f"the {fault.target} does not answer: nothing is struck; start it (`hydrohil {fault.target}`)")
+            raise CellError(f"the {fault.target} does not answer: nothing was done; start it (`hydrohil {fault.target}`)")
     return known
 
 

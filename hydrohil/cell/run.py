@@ -1,4 +1,4 @@
-"""One run in a live cell from load to verdict, recorded if that is wanted."""
+"""One run in a live cell from load to verdict, recorded on request."""
 
 import time
 from pathlib import Path

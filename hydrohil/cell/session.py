@@ -26,7 +26,7 @@ from hydrohil.simulation.rollout import duration_ticks
 
 _RUN_BITS = 48
 _WATCH_S = 0.05
-_STRIKE_S = 0.002  # while a process fault waits for its time
+_FAULT_S = 0.002  # while a process fault waits for its time
 _SILENCE_S = 6.0  # longer than the plant waits for an answer in lockstep
 
 
@@ -163,7 +163,7 @@ def _play(bus: Bus, experiment: Experiment, collector: Collector, process_faults
     try:
         arm(bus)
         ask(bus, "supervisor", "start")
-        watch(collector, experiment, observe, _STRIKE_S if process_faults.pending else _WATCH_S)
+        watch(collector, experiment, observe, _FAULT_S if process_faults.pending else _WATCH_S)
     except CellError as error:
         bus.ask("supervisor", "stop", {}, 1.0)
         ended = CellError("; ".join((str(error), *process_faults.done)))

@@ -25,7 +25,7 @@ from hydrohil.cli.options import (
 from hydrohil.shared.exit_status import EXIT_USAGE
 from hydrohil.shared.transport.endpoints import DEFAULT_PORT
 
-if TYPE_CHECKING:  # the page's libraries load when it is made
+if TYPE_CHECKING:  # the page's libraries load when it is rendered
     from hydrohil.cell.cell import Cell
     from hydrohil.reproduction.plan import Figure
     from hydrohil.reproduction.report import Report
@@ -58,20 +58,20 @@ def reproduce(
     """
     from hydrohil.reproduction import plan
 
-    wanted = [*(only or []), *(figures or [])]
+    names = [*(only or []), *(figures or [])]
     with failing():
-        chosen = plan.choose(wanted)
-    _usable(clock, wanted, chosen, seeds)
+        chosen = plan.choose(names)
+    _usable(clock, names, chosen, seeds)
     make_folders(out / PAGE, out / JUNIT, json_file)
     with failing("interrupted: nothing was written"), ExitStack() as stack:
         found = None
         if clock != "local":
             found = stack.enter_context(_opened(cell, port, hosts, router, permit_ttl_ms, realtime=realtime))
-        report = _with_bar(wanted, seeds, clock, workers, found, unqualified=unqualified)
+        report = _with_bar(names, seeds, clock, workers, found, unqualified=unqualified)
     _finish(report, out, json_file)
 
 
-def _usable(clock: str, wanted: list[str], chosen: "tuple[Figure, ...]", seeds: int) -> None:
+def _usable(clock: str, names: list[str], chosen: "tuple[Figure, ...]", seeds: int) -> None:
     """Refuse a clock that does not exist, and a live clock for everything; say how long a live one takes."""
     from hydrohil.reproduction.formatting import duration
     from hydrohil.reproduction.reproduce import CLOCKS, live_s
@@ -81,7 +81,7 @@ def _usable(clock: str, wanted: list[str], chosen: "tuple[Figure, ...]", seeds: 
     if clock == "local":
         return
     trials, takes = {name for figure in chosen for name in figure.trials}, duration(live_s(chosen, seeds))
-    if not wanted:
+    if not names:
         raise fail(f"--clock {clock}: {len(trials)} trials take {takes} at real speed: choose some with --only", EXIT_USAGE)
     console.print(f"clock {clock}: {takes} at real speed; trials: {len(trials)}, seeds: {seeds}", highlight=False)
 
@@ -95,7 +95,7 @@ def _opened(cell: str, port: int, hosts: str, router: str, lease_ms: float | Non
 
 
 def _with_bar(
-    wanted: list[str], seeds: int, clock: str, workers: int | None, cell: "Cell | None", *, unqualified: bool
+    names: list[str], seeds: int, clock: str, workers: int | None, cell: "Cell | None", *, unqualified: bool
 ) -> "Report":
     """The figures again, with a bar that knows how long each takes."""
     from rich.progress import BarColumn, Progress, TextColumn, TimeRemainingColumn
@@ -110,7 +110,7 @@ def _with_bar(
             total_s = None if math.isnan(now.total_s) else now.total_s
             progress.update(task, description=now.doing, completed=now.done_s, total=total_s)
 
-        return reproduce(wanted, seeds=seeds, clock=clock, workers=workers, cell=cell, unqualified=unqualified, progress=show)
+        return reproduce(names, seeds=seeds, clock=clock, workers=workers, cell=cell, unqualified=unqualified, progress=show)
 
 
 def _finish(report: "Report", out: Path, json_file: Path | None) -> None:
@@ -156,14 +156,14 @@ def _show(report: Any, page: Path) -> None:
     for column in ("figure", "claim", "stated", "measured", "holds in"):
         failed.add_column(column, overflow="fold")
     for one in failures(report.results):
-        told = (one.figure.name, one.tally.claim.statement, band(one.tally.claim), words.briefly(one.tally))
-        failed.add_row(*told, f"{one.tally.held} of {one.tally.seeds}" + ("" if one.why else "; unexplained"))
+        row = (one.figure.name, one.tally.claim.statement, band(one.tally.claim), words.briefly(one.tally))
+        failed.add_row(*row, f"{one.tally.held} of {one.tally.seeds}" + ("" if one.why else "; unexplained"))
     console.print(table)
     if failed.row_count:
         console.print(failed)
-    for made in report.results:
-        for words_ in (*made.tripped, *made.gaps):
-            console.print(f"[red bold]NO VERDICT[/] on {made.figure.name}: {words_}", highlight=False)
+    for result in report.results:
+        for reason in (*result.tripped, *result.gaps):
+            console.print(f"[red bold]NO VERDICT[/] on {result.figure.name}: {reason}", highlight=False)
     console.print(
         f"{report.total.hold} of {report.total.claims} claims hold; {words.duration(report.duration_s)}; {page}", soft_wrap=True
     )

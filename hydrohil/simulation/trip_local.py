@@ -45,20 +45,20 @@ def local_report(experiment: Experiment, outcome: Outcome) -> Document | None:
 
 
 def _column(values: Any, first: int) -> list[Any]:
-    made: list[Any] = values[first:].tolist()
-    return made
+    column: list[Any] = values[first:].tolist()
+    return column
 
 
 def _columns(rows: Any, names: tuple[str, ...], first: int) -> Table:
     """Columns of the rows by the names that the wire has."""
-    made: Table = {}
+    table: Table = {}
     for name in names:
         values = getattr(rows, name)[first:]
         if values.ndim == 1:
-            made[name] = values.tolist()
+            table[name] = values.tolist()
         else:
-            made |= {f"{name}[{k}]": values[:, k].tolist() for k in range(values.shape[1])}
-    return made
+            table |= {f"{name}[{k}]": values[:, k].tolist() for k in range(values.shape[1])}
+    return table
 
 
 def _accepted(commanded: list[int], ticks: list[int]) -> list[int]:

@@ -8,7 +8,7 @@ from pathlib import Path
 import pytest
 
 from hydrohil.cell import process_faults as strikes
-from hydrohil.cell.process_faults import ProcessFaults, is_service, strike, strike_now
+from hydrohil.cell.process_faults import ProcessFaults, carry_out, inject_now, is_service
 from hydrohil.cell.processes import CellError, RefusedError
 from hydrohil.shared.contract.faults import Fault
 
@@ -59,7 +59,7 @@ def busy():
     return sum(b"range(100_000)" in Path(f"/proc/{child}/cmdline").read_bytes() for child in children)
 
 
-def test_only_that_service_of_that_cell_is_struck(process):
+def test_only_that_service_of_that_cell_is_signalled(process):
     assert is_service(process.pid, "controller", CELL)
     assert not is_service(process.pid, "plant", CELL)
     assert not is_service(process.pid, "controller", "another")
@@ -69,25 +69,25 @@ def test_only_that_service_of_that_cell_is_struck(process):
 
 def test_a_number_that_belongs_to_another_process_now_is_left_alone():
     with pytest.raises(CellError, match="left alone"):
-        strike(FakeBus(), Fault("kill", "plant"), {"plant": os.getpid()})
+        carry_out(FakeBus(), Fault("kill", "plant"), {"plant": os.getpid()})
 
 
-def test_a_service_that_does_not_answer_is_not_struck(bus):
+def test_a_service_that_does_not_answer_gets_no_fault(bus):
     with pytest.raises(CellError, match="plant does not answer"):
-        strike_now(bus, Fault("kill", "plant"))
+        inject_now(bus, Fault("kill", "plant"))
     with pytest.raises(CellError, match="plant does not answer"):
         ProcessFaults(bus, (Fault("freeze", "plant"),), 1.0)
 
 
 def test_what_is_killed_is_gone(bus, process):
-    strike_now(bus, Fault("kill", "controller"))
+    inject_now(bus, Fault("kill", "controller"))
     assert process.wait(10.0) == -signal.SIGKILL
 
 
 @pytest.mark.parametrize("fault", [Fault("freeze", "controller"), Fault("hog", "host", value=1.0)])
 def test_what_this_command_must_undo_needs_an_end(bus, fault):
     with pytest.raises(RefusedError, match="--for"):
-        strike_now(bus, fault)
+        inject_now(bus, fault)
 
 
 def test_a_trial_freezes_at_its_time_and_thaws_at_its_end(bus, process):
@@ -116,7 +116,7 @@ def test_what_never_came_to_pass_is_said(bus):
 
 
 def test_a_hog_runs_as_long_as_it_is_asked_to(bus):
-    undo = strike(bus, Fault("hog", "host", value=2.0), {})
+    undo = carry_out(bus, Fault("hog", "host", value=2.0), {})
     assert until(lambda: busy() == 2)
     undo()
     assert busy() == 0
