@@ -67,9 +67,9 @@ def pressed(seed: int) -> Trial:
 def switched(seed: int) -> Trial:
     """While the link swings: one law after another."""
     at_s, laws = at(seed) - 1.0, Random(seed).sample(LAWS, len(LAWS))
-    before = (
-        "pi" if laws[0] == SWING.controller.law else SWING.controller.law
-    )  # a switch to the law that acts already would be no switch
+    before = SWING.controller.law
+    if before == laws[0]:  # a switch to the law that acts already would be no switch
+        before = "pi"
     changes = (ScheduledChange(at_s + EVERY_S * i, (f"controller.law={law}",)) for i, law in enumerate(laws))
     motion = SWING._replace(controller=SWING.controller._replace(law=before))
     return _played(motion, tuple(change for change in changes if change.at_s < PLAYED_S - SETTLED_S), seed)
