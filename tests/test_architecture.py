@@ -7,7 +7,7 @@ from pathlib import Path
 import pytest
 
 from hydrohil.shared.compiled.kernel import KERNEL_FOLDERS, sources
-from tests.support.positional import ROOT, by_position, folder, offenders
+from tests.support.positional import ROOT, by_position, offenders
 
 PACKAGE = Path(__file__).resolve().parent.parent / "hydrohil"
 SOURCES = {path.relative_to(PACKAGE).as_posix(): path for path in sources()}
@@ -231,14 +231,8 @@ def test_the_loop_reads_no_wall_clock():
             assert not (isinstance(node, ast.Name | ast.Attribute) and "CLOCK_REALTIME" in ast.unparse(node)), name
 
 
-# Folders whose calls are not all by keyword yet.
-NOT_YET = {
-    "services/plant",
-}
-
-
 def test_no_call_of_ours_passes_seven_or_more_values_by_position():
-    found = [row for row in offenders() if folder(row[0]) not in NOT_YET]
+    found = offenders()
     assert not found, "\n".join(f"{path.relative_to(ROOT)}:{line}: {call} takes {number}" for path, line, call, number in found)
 
 

@@ -48,7 +48,15 @@ def _posed(machine: MachineParams, turned: tuple[float, float, float, float], q3
     c1, s1, c2, s2 = turned
     d3_m = q3_m + machine.d3_offset_m - machine.a4_m * math.sin(machine.q4_rad)
     a2_m = machine.a2_m - machine.a4_m * math.cos(machine.q4_rad)
-    return Posture(c1, s1, c2, s2, d3_m * c2 + a2_m * s2, -d3_m * s2 + a2_m * c2, d3_m - machine.boom_centre_m)
+    return Posture(
+        cos_1=c1,
+        sin_1=s1,
+        cos_2=c2,
+        sin_2=s2,
+        reach_m=d3_m * c2 + a2_m * s2,
+        height_m=-d3_m * s2 + a2_m * c2,
+        boom_m=d3_m - machine.boom_centre_m,
+    )
 
 
 @kernel

@@ -164,12 +164,12 @@ def contact_params(environment: Environment) -> ContactParams:
     kind = {"free": FREE, "plate": PLATE, "crate": CRATE}[environment.kind]
     weight_n = environment.crate_mass_kg * GRAVITY_M_PER_S2
     return ContactParams(
-        kind,
-        AXIS_X if kind == CRATE else AXIS_Z,
-        -1.0 if kind == CRATE else 1.0,
-        environment.stiffness_n_per_m,
-        environment.surface_m,
-        environment.crate_mass_kg,
-        static * weight_n,
-        kinetic * weight_n,
+        kind=kind,
+        force_axis=AXIS_X if kind == CRATE else AXIS_Z,
+        force_sign=-1.0 if kind == CRATE else 1.0,
+        stiffness_n_per_m=environment.stiffness_n_per_m,
+        surface_m=environment.surface_m,
+        mass_kg=environment.crate_mass_kg,
+        breakaway_n=static * weight_n,
+        sliding_n=kinetic * weight_n,
     )
