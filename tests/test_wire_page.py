@@ -55,7 +55,7 @@ def test_the_wire_page_lists_every_field_of_a_machine_in_order() -> None:
     names = [name for row in rows(WIRE, "of `machine`") for name in field_names(row[0])]
     assert names == list(MachineDescription._fields)
     for kind in (Channel, Drive, Geometry, Gauge, MotionBounds):
-        (row,) = [row for row in rows(WIRE, "array") if row[0] == kind.__name__]
+        (row,) = [row for row in rows(WIRE, "part") if row[0] == kind.__name__]
         assert re.findall(r"(\w+) \((?:str|int|float)", row[1]) == list(kind._fields)
 
 

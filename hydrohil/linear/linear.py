@@ -105,6 +105,8 @@ def actuator(machine: MachineParams, link: LinkParams, q: float, lever_m: float,
         raise ValueError(f"load_pa is {point.load_pa:g} Pa: the actuator stalls; expected less than the supply")
     root = signed_root(drop_pa, machine.root_smoothing_pa)
     flow = link.flow_gain_m3_per_s_sqrt_pa * abs(port_area(link, point.spool_a)) * root
+    if link.area_ratio != 1.0:
+        raise ValueError(f"area_ratio is {link.area_ratio:g}: the linear model has equal piston areas; expected 1")
     displacement = link.displacement_m3_per_q
     volume_a = link.dead_volume_m3 + displacement * (q - link.travel_low_q)
     volume_b = link.dead_volume_m3 + displacement * (link.travel_high_q - q)

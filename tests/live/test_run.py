@@ -51,6 +51,19 @@ def test_a_real_run_ends_with_its_verdict_report_trace_and_recording(cell: Cell,
     assert readable(rrd)
 
 
+def test_a_longer_tool_runs_on_every_clock_because_everybody_takes_the_machine_from_the_plant(cell: Cell, tmp_path: Path):
+    traces = {}
+    for clock in ("local", "lockstep", "real"):
+        file = tmp_path / f"{clock}.npz"
+        longer = ("--set", "plant.machine.a4_m=0.7")
+        run = cell.run("run", swing(tmp_path), *longer, "--clock", clock, "--seed", "3", "--trace", str(file))
+        assert run.returncode == 0, run.stdout + run.stderr
+        traces[clock] = read_trace(file)
+    assert traces["local"].x_m[0][2] == pytest.approx(0.13 - 0.7, abs=0.01)
+    assert (traces["lockstep"].x_m == traces["local"].x_m).all()
+    assert traces["real"].x_m[0] == pytest.approx(traces["local"].x_m[0], abs=1e-9)
+
+
 def test_lockstep_equals_local_bit_for_bit(cell: Cell, tmp_path: Path):
     traces = []
     for clock in ("lockstep", "local"):

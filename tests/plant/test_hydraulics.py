@@ -102,3 +102,25 @@ def test_oil_does_not_pull():
     a_pa, b_pa = chamber_step(LINK, LinkState(0.0, 10.0, 0.0, 1e3, 1e3), NO_FLOW, ENDS, STEP)
     assert a_pa == 0.0
     assert b_pa > 1e3
+
+
+UNEQUAL = LINK._replace(area_ratio=0.5, cross_leak_m3_per_s_pa=0.0, null_leak_m3_per_s_pa=0.0)
+
+
+def test_shut_chambers_of_unequal_areas_lose_and_gain_the_volume_that_each_piston_side_sweeps():
+    state = LinkState(0.1, 0.2, 0.0, 3e6, 4e6)
+    a_pa, b_pa = chamber_step(UNEQUAL, state, NO_FLOW, ENDS, STEP)
+    area_a, area_b = UNEQUAL.displacement_m3_per_q, 0.5 * UNEQUAL.displacement_m3_per_q
+    volume_a = UNEQUAL.dead_volume_m3 + area_a * (0.1 - UNEQUAL.travel_low_q)
+    volume_b = UNEQUAL.dead_volume_m3 + area_b * (UNEQUAL.travel_high_q - 0.1)
+    assert (a_pa - 3e6) * volume_a / UNEQUAL.bulk_modulus_pa == pytest.approx(-area_a * 0.2 * STEP)
+    assert (b_pa - 4e6) * volume_b / UNEQUAL.bulk_modulus_pa == pytest.approx(area_b * 0.2 * STEP)
+
+
+@pytest.mark.parametrize("ratio", [0.25, 0.5, 1.0, 2.0])
+@pytest.mark.parametrize("speed", [-0.3, 0.3])
+def test_a_steady_piston_takes_in_at_one_side_and_gives_out_at_the_other_in_the_ratio_of_its_areas(ratio, speed):
+    link = UNEQUAL._replace(area_ratio=ratio)
+    swept = link.displacement_m3_per_q * speed
+    a_pa, b_pa = chamber_step(link, LinkState(0.0, speed, 0.0, 3e6, 4e6), (swept, -ratio * swept), ENDS, STEP)
+    assert (a_pa, b_pa) == pytest.approx((3e6, 4e6), abs=1e-6)  # flow in = volume swept: no pressure changes
