@@ -136,8 +136,7 @@ class FieldSpec(NamedTuple):
 
     position: int
     kind: type  # of the value; tuple for an array and for messages inside
-    item: type | None = None  # of an array: kind of its scalars
-    length: int = 0  # of an array
+    items: tuple[type, ...] = ()  # of an array: kind of each scalar
     check: Callable[[Any], Any] | None = None  # of messages inside: the value as messages, or None
 
 
@@ -148,7 +147,7 @@ def _field_spec(position: int, hint: Any) -> FieldSpec:
         return FieldSpec(position, hint)
     if get_origin(hint) is Annotated:
         kind, length = get_args(hint)
-        return FieldSpec(position, tuple, item=get_args(kind)[0], length=length.min_length)
+        return FieldSpec(position, tuple, items=(get_args(kind)[0],) * length.min_length)
     return FieldSpec(position, tuple, check=_messages(_shape(get_args(hint)[0])))
 
 
@@ -161,9 +160,9 @@ def _shape(message: Any) -> Callable[[Any], Any]:
     fields = [_field_spec(position, hint) for position, hint in enumerate(get_type_hints(message, include_extras=True).values())]
     kinds = tuple(field.kind for field in fields)
     inner = [(field.position, field.check) for field in fields if field.check is not None]
-    arrays = [field for field in fields if field.item is not None]
-    lengths = tuple(field.length for field in arrays)
-    items = tuple(field.item for field in arrays for _ in range(field.length))
+    arrays = [field for field in fields if field.items]
+    lengths = tuple(len(field.items) for field in arrays)
+    items = tuple(item for field in arrays for item in field.items)
     array_values = _picker([field.position for field in arrays])
     integers = _picker([index for index, kind in enumerate(kinds + items) if kind is int])
 
