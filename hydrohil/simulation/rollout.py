@@ -10,7 +10,7 @@ from hydrohil.experiment.errors import ExperimentError
 from hydrohil.experiment.experiment import Experiment
 from hydrohil.services.controller.config import controller_params, segment_table
 from hydrohil.services.controller.parameter_change import handed_over
-from hydrohil.services.controller.parameter_schedule import ParameterSchedule, at, follow, moves, scheduled
+from hydrohil.services.controller.parameter_schedule import ParameterSchedule, advance, at, moves, scheduled
 from hydrohil.services.controller.step import control_start
 from hydrohil.services.plant.config import GateLimits, PlantConfig, latch_substeps, tare_ticks, trial_ticks
 from hydrohil.services.plant.faults import COLUMNS, fault_row
@@ -123,7 +123,7 @@ def _play_schedule(
     schedule = ParameterSchedule(experiment.controller, scheduled(experiment.controller, experiment.changes, period_ns))
     first = prepared.first_tick
     while (row := underway.row) < count and underway.watch.mode == RUNNING:
-        schedule, change = follow(schedule, row, first + row, period_ns)
+        schedule, change = advance(schedule, row, first + row, period_ns)
         if change is not None:
             underway = underway._replace(control=handed_over(underway.control, change))
         if moves(schedule, row):

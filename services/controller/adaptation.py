@@ -62,7 +62,7 @@ def retuned(params: ImpedanceParams, stiffness_n_per_m: float, wn_rad_per_s: flo
 
 @kernel
 def softened(params: ImpedanceParams, stiffness_loss: float) -> ImpedanceParams:
-    """The target with the share `relief` of its stiffness gone; m and xi are kept."""
+    """The target with the share `stiffness_loss` of its stiffness gone; m and xi are kept."""
     share = 1.0 - stiffness_loss
     root = math.sqrt(share) if share > 0.0 else math.nan
     wn = params.natural_frequency_rad_per_s * root
@@ -88,7 +88,7 @@ def spliced(across: Triple, along: Triple, axis: int) -> Triple:
 
 @kernel
 def with_stiffness_loss(state: ImpedanceState, stiffness_loss: float) -> ImpedanceState:
-    """`state` with another relief."""
+    """`state` with another loss of stiffness."""
     return ImpedanceState(
         state.position_m,
         state.velocity_m_per_s,

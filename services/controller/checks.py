@@ -108,8 +108,8 @@ def check_adaptation(config: ControllerConfig) -> None:
     if config.target != "impedance" or config.impedance.formulation != "setpoint":
         raise ValueError(f"controller.adaptation: {adaptation.kind!r} adapts target 'impedance', formulation 'setpoint' only")
     if not adaptation.onset_n < adaptation.ceiling_n:
-        wanted = f"onset_n {adaptation.onset_n:g} N must lie below ceiling_n {adaptation.ceiling_n:g} N"
-        raise ValueError(f"controller.adaptation: {wanted}")
+        what = f"onset_n {adaptation.onset_n:g} N must lie below ceiling_n {adaptation.ceiling_n:g} N"
+        raise ValueError(f"controller.adaptation: {what}")
 
 
 def check_setpoint_scaling(config: ControllerConfig) -> None:
@@ -119,8 +119,8 @@ def check_setpoint_scaling(config: ControllerConfig) -> None:
     if soft is None:
         return
     if config.target != "impedance" or impedance.formulation != "setpoint" or config.adaptation.kind != "none":
-        wanted = "target 'impedance', formulation 'setpoint', without adaptation"
-        raise ValueError(f"controller.impedance: apparent_stiffness_n_per_m is of {wanted}; leave it out or choose these")
+        needs = "target 'impedance', formulation 'setpoint', without adaptation"
+        raise ValueError(f"controller.impedance: apparent_stiffness_n_per_m is of {needs}; leave it out or choose these")
     if not impedance.environment_n_per_m > 0.0:
         raise ValueError("controller.impedance: apparent_stiffness_n_per_m needs environment_n_per_m > 0: give k_eff in N/m")
     if not soft < stiff:

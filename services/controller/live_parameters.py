@@ -8,7 +8,7 @@ from hydrohil.services.controller.checks import examine
 from hydrohil.services.controller.config import ControllerConfig, Reference
 from hydrohil.services.controller.contact_environment import ContactEnvironment
 from hydrohil.services.controller.parameter_change import Change, assigned, differences
-from hydrohil.services.controller.parameter_schedule import ParameterSchedule, at, follow, moves
+from hydrohil.services.controller.parameter_schedule import ParameterSchedule, advance, at, moves
 from hydrohil.services.controller.preflight import preflight
 from hydrohil.shared.contract.assignments import text_of
 from hydrohil.shared.contract.messages import NO_TRIAL, ParameterEvent
@@ -30,7 +30,7 @@ class Loaded(NamedTuple):
     lockstep: bool
 
 
-class Wanted(NamedTuple):
+class RequestedChange(NamedTuple):
     """A change by hand that does not act yet."""
 
     request: Request
@@ -39,16 +39,16 @@ class Wanted(NamedTuple):
 
 
 class Parameters:
-    """The course of the loaded experiment's parameters through its trial."""
+    """The loaded experiment's parameters and how they change in its trial."""
 
     def __init__(self) -> None:
         """No experiment is loaded."""
         self.loaded: Loaded | None = None
         self.schedule = ParameterSchedule(ControllerConfig())
-        self.busy = False  # the course has moved in this trial, or will: it is to be followed
+        self.busy = False  # parameters have changed in this trial, or will: each sample is looked at
         self.by_hand: deque[ParameterEvent] = deque(maxlen=_REMEMBERED)  # since the load
-        self._wanted: Wanted | None = None  # under examination
-        self._found_right: Request | None = None  # acts at the next sample
+        self._requested: RequestedChange | None = None  # under examination
+        self._accepted: Request | None = None  # acts at the next sample
 
     def load(self, loaded: Loaded) -> None:
         """Another experiment."""
@@ -70,7 +70,7 @@ class Parameters:
             return request.refuse(str(error))
         _, reference, q0, pitch_rad, met, geometry, _ = self.loaded
         pushed = met if after.impedance != self.schedule.target.impedance else None  # else the load has found its push right
-        self._wanted = Wanted(request, after, examine(after, reference, q0, pitch_rad, pushed, geometry=geometry))
+        self._requested = RequestedChange(request, after, examine(after, reference, q0, pitch_rad, pushed, geometry=geometry))
         self.busy = True
         return None
 
@@ -81,40 +81,40 @@ class Parameters:
             raise ValueError("a lockstep trial runs, which must repeat itself: schedule the change in its section [[changes]]")
         if loaded.schedule.waiting:
             raise ValueError("the section [[changes]] of this trial decides what changes: schedule it there")
-        if self._wanted is not None or self._found_right is not None:
+        if self._requested is not None or self._accepted is not None:
             raise ValueError("another change does not act yet: ask again")
 
     @property
     def examines(self) -> bool:
         """Whether something is being examined."""
-        return self._wanted is not None
+        return self._requested is not None
 
     def examine(self) -> None:
-        """One step of what is being examined; a change that is found right acts at the next sample."""
-        if self._wanted is None:
+        """One step of what is being examined; a change that passes acts at the next sample."""
+        if self._requested is None:
             return
-        request, after, examination = self._wanted
+        request, after, examination = self._requested
         try:
             next(examination)
         except StopIteration:
-            self._wanted, self._found_right = None, request
+            self._requested, self._accepted = None, request
             self.schedule = self.schedule._replace(waiting=((NO_TRIAL, after),))
         except (ValueError, ArithmeticError) as error:
-            self._wanted = None
+            self._requested = None
             request.refuse(str(error))
 
-    def follow(self, number: int, tick: int, period_ns: int) -> tuple[Change | None, ControllerConfig | None]:
+    def advance(self, number: int, tick: int, period_ns: int) -> tuple[Change | None, ControllerConfig | None]:
         """The change that begins at this sample; and what acts, if it is not what acted at the one before."""
         if tick == NO_TRIAL:
             moved = self.schedule.change is not None
             self._begin_anew()
             return None, self.schedule.loaded if moved else None
-        self.schedule, change = follow(self.schedule, number, tick, period_ns)
+        self.schedule, change = advance(self.schedule, number, tick, period_ns)
         return change, at(self.schedule, number) if moves(self.schedule, number) else None
 
-    def tell(self, change: Change, tick: int) -> tuple[ParameterEvent, ...]:
+    def events(self, change: Change, tick: int) -> tuple[ParameterEvent, ...]:
         """The change as messages, a value each; whoever asked for it is answered with the same."""
-        request, self._found_right = self._found_right, None
+        request, self._accepted = self._accepted, None
         ramp = change.last - change.first + 1
         events = tuple(
             ParameterEvent(
@@ -142,10 +142,10 @@ class Parameters:
 
     def _begin_anew(self) -> None:
         """The loaded values, and what the experiment schedules."""
-        for request in (self._found_right, self._wanted and self._wanted.request):
+        for request in (self._accepted, self._requested and self._requested.request):
             if request is not None:
                 request.refuse("the trial has ended before the change could act")
-        self._wanted = self._found_right = None
+        self._requested = self._accepted = None
         if self.loaded is not None:
             self.schedule = self.loaded.schedule
         self.busy = bool(self.schedule.waiting)

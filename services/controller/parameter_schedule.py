@@ -35,8 +35,8 @@ def scheduled(
     return tuple(waiting.items())
 
 
-def follow(schedule: ParameterSchedule, number: int, tick: int, period_ns: int) -> tuple[ParameterSchedule, Change | None]:
-    """The course at this sample, and the change that begins with it."""
+def advance(schedule: ParameterSchedule, number: int, tick: int, period_ns: int) -> tuple[ParameterSchedule, Change | None]:
+    """The schedule at this sample, and the change that begins with it."""
     due = [config for first, config in schedule.waiting if first <= tick]
     if not due:
         return schedule, None

@@ -13,7 +13,7 @@ POINTS = 20  # Appendix B: smooth enough, and short enough to detect stiction qu
 
 
 class Point(NamedTuple):
-    """Measured and demanded joint positions at one sample."""
+    """Measured joint positions and set-points at one sample."""
 
     time_ns: int
     q: Triple
@@ -58,7 +58,7 @@ def push(window: Window, time_ns: int, q: Triple, q_set: Triple) -> Window:
 
 @kernel
 def velocities(window: Window) -> tuple[Triple, Triple]:
-    """Least-squares slopes (rad/s, m/s) of measured and demanded positions; 0 if all times are one.
+    """Least-squares slopes (rad/s, m/s) of measured positions and set-points; 0 if all times are one.
 
     Times and positions are taken relative to the newest, so that a link at rest has velocity 0 exactly.
     """

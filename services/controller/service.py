@@ -51,7 +51,7 @@ class Controller:
         self.revoked = False  # the gate, at the last sample
 
     def run(self, stopped: Callable[[], bool]) -> None:
-        """Until told to stop: samples are answered where they arrive, the rest is done here."""
+        """Run until `stopped` says so: the bus's thread answers samples, this one serves requests."""
         step_lock = StepLock(self.step)
         self.bus.step_on_arrival(step_lock)
         while not stopped():
@@ -66,7 +66,7 @@ class Controller:
         for message in self.samples.take():
             self._answer(message)
         for impaired in self.samples.impaired_samples():
-            self._tell(impaired)
+            self._publish_dropped(impaired)
         for message in self.warmups.take():
             self._warm_up(message)
 
@@ -95,18 +95,18 @@ class Controller:
         self.faults.spend()
         began_ns = time.perf_counter_ns()
         sample, header = message.body, message.header
-        change = self._follow(sample, self.description) if self.parameters.busy else None
-        self.memory, codes, thought = control_step(self.memory, self.params, self.table, sample)
+        change = self._change_parameters(sample, self.description) if self.parameters.busy else None
+        self.memory, codes, state = control_step(self.memory, self.params, self.table, sample)
         echo = (sample.number, sample.time_ns)
         self.bus.run = self.bus.run._replace(arming_id=header.arming_id)
         self.bus.publish("controller/command", Command(codes), echo)
         os.sched_yield()  # to the transport's thread, which sends it
-        thought = thought._replace(compute_ns=time.perf_counter_ns() - began_ns)
-        self.bus.publish("controller/state", thought, echo)
+        state = state._replace(compute_ns=time.perf_counter_ns() - began_ns)
+        self.bus.publish("controller/state", state, echo)
         self.answered += 1
         self.tick = sample.tick
         if change is not None:
-            for event in self.parameters.tell(change, sample.tick):
+            for event in self.parameters.events(change, sample.tick):
                 self.bus.publish("controller/parameter_change", event, echo)
         revoked = sample.gate == GateState.REVOKED
         if due(sample.number, self.description.sample_period_ns) or (revoked and not self.revoked):
@@ -117,22 +117,22 @@ class Controller:
         """Answer the last sample once more and send nothing: what the next one needs is in the processor's cache then."""
         if self.description is None or warmup.body.number != self.samples.number:
             return
-        _, codes, thought = control_step(self.memory, self.params, self.table, warmup.body)
-        for topic, body in (("controller/command", Command(codes)), ("controller/state", thought)):
+        _, codes, state = control_step(self.memory, self.params, self.table, warmup.body)
+        for topic, body in (("controller/command", Command(codes)), ("controller/state", state)):
             encode(topic, warmup.header, body)
         self.warmed_up += 1
 
-    def _follow(self, sample: Sample, description: PlantDescription) -> Change | None:
-        """Let parameters act that change at this sample."""
-        change, config = self.parameters.follow(sample.number, sample.tick, description.sample_period_ns)
+    def _change_parameters(self, sample: Sample, description: PlantDescription) -> Change | None:
+        """Change the parameters that change at this sample."""
+        change, config = self.parameters.advance(sample.number, sample.tick, description.sample_period_ns)
         if change is not None:
             self.memory = handed_over(self.memory, change)
         if config is not None:
             self.params = controller_params(config, description, self.first_tick)
         return change
 
-    def _tell(self, impaired: ImpairedSample) -> None:
-        """Lockstep: the plant need not wait for the answer to a sample that a fault took."""
+    def _publish_dropped(self, impaired: ImpairedSample) -> None:
+        """Lockstep: a fault took this sample, so the plant gets no answer to it."""
         if not impaired.taken:
             self.bus.publish("controller/sample_dropped", SampleDropped(impaired.number), (impaired.number, impaired.time_ns))
 

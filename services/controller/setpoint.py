@@ -16,7 +16,7 @@ from hydrohil.services.controller.params import (
 )
 from hydrohil.services.controller.reference import Deltas, Table, reference_deltas
 from hydrohil.services.controller.regression import POINTS
-from hydrohil.services.controller.setpoint_scaling import Offset, withhold
+from hydrohil.services.controller.setpoint_scaling import Offset, offset_step
 from hydrohil.services.controller.trial import Trial
 from hydrohil.shared.compiled.kernel import kernel
 from hydrohil.shared.contract.messages import NO_TRIAL
@@ -95,7 +95,7 @@ def setpoints(
         )
     else:
         error_n = measured.force_n - measured.force_set_n
-        offset = withhold(offset, params.setpoint_scaling, target.force_axis, nominal, measured.force_n)
+        offset = offset_step(offset, params.setpoint_scaling, target.force_axis, nominal, measured.force_n)
         compensated = along_axis(nominal, target.force_axis, -offset.offset_m)
         impedance, x = adapted_step(
             impedance,

@@ -4,7 +4,7 @@ import pytest
 
 from hydrohil.services.controller.config import ControllerConfig, ScheduledChange
 from hydrohil.services.controller.parameter_change import Change, acting
-from hydrohil.services.controller.parameter_schedule import ParameterSchedule, at, follow, moves, scheduled
+from hydrohil.services.controller.parameter_schedule import ParameterSchedule, advance, at, moves, scheduled
 
 LOADED = ControllerConfig()
 PERIOD_NS = 4_500_000
@@ -35,21 +35,21 @@ def test_a_change_that_may_not_be_is_named_by_its_place():
 
 def test_the_change_begins_with_the_first_sample_of_its_tick_or_later_and_once():
     schedule = ParameterSchedule(LOADED, scheduled(LOADED, (PI,), PERIOD_NS))
-    assert follow(schedule, 40, 0, PERIOD_NS) == (schedule, None) and not moves(schedule, 40)
+    assert advance(schedule, 40, 0, PERIOD_NS) == (schedule, None) and not moves(schedule, 40)
     for number, tick in ((41, 1), (43, 3)):  # two samples are lost
-        moved, change = follow(schedule, number, tick, PERIOD_NS)
+        moved, change = advance(schedule, number, tick, PERIOD_NS)
         assert change == Change(number, number, LOADED, LOADED._replace(law="pi"))
         assert moves(moved, number) and not moves(moved, number - 1) and not moves(moved, number + 1)
         assert at(moved, number) == change.after == moved.target
-        assert follow(moved, number + 1, tick + 1, PERIOD_NS) == (moved, None)
+        assert advance(moved, number + 1, tick + 1, PERIOD_NS) == (moved, None)
 
 
 def test_a_change_during_a_ramp_begins_where_the_ramp_is():
     soft = ScheduledChange(0.0, ("controller.impedance.stiffness_n_per_m=5e3",))
     schedule = ParameterSchedule(LOADED, scheduled(LOADED, (soft, PI._replace(at_s=0.09)), PERIOD_NS))
-    schedule, first = follow(schedule, 100, 0, PERIOD_NS)
+    schedule, first = advance(schedule, 100, 0, PERIOD_NS)
     assert moves(schedule, 100) and moves(schedule, 210) and not moves(schedule, 211)
-    schedule, second = follow(schedule, 120, 20, PERIOD_NS)
+    schedule, second = advance(schedule, 120, 20, PERIOD_NS)
     assert second.before == acting(first, 119) and second.before not in (LOADED, first.after)
     assert second.after == first.after._replace(law="pi")
     assert (second.first, second.last) == (120, 230)

@@ -219,7 +219,7 @@ def test_a_target_moves_sample_by_sample_and_ends_at_what_was_asked():
     cell = Cell(PRESS).to_tick(40)
     asked = ["controller.impedance.stiffness_n_per_m=100e3"]
     assert cell.ask("parameters", set=asked) is None
-    while cell.controller.parameters._wanted is not None:
+    while cell.controller.parameters._requested is not None:
         cell.controller.parameters.examine()
     for tick in range(41, 41 + 112):
         cell.sample(tick)
@@ -234,7 +234,7 @@ def test_a_target_moves_sample_by_sample_and_ends_at_what_was_asked():
 def test_a_target_that_must_limit_cycle_is_taken_with_the_warning_of_a_load():
     cell = Cell(PRESS).to_tick(40)
     cell.ask("parameters", set=["controller.impedance.stiffness_n_per_m=1000"])
-    while cell.controller.parameters._wanted is not None:
+    while cell.controller.parameters._requested is not None:
         cell.controller.parameters.examine()
     cell.sample(41)
     loaded = with_overrides(PRESS, ["controller.impedance.stiffness_n_per_m=1000"])
@@ -247,7 +247,7 @@ def test_a_soft_target_whose_push_leaves_the_travel_is_refused_as_at_a_load():
     cell = Cell(find("fig-5-2")).to_tick(40)
     before = cell.controller.params
     cell.ask("parameters", set=["controller.impedance.stiffness_n_per_m=50"])
-    while cell.controller.parameters._wanted is not None:
+    while cell.controller.parameters._requested is not None:
         cell.controller.parameters.examine()
     ((accepted, reason, _),) = cell.answers
     assert not accepted and "beyond the travel" in reason
