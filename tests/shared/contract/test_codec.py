@@ -322,3 +322,13 @@ def test_what_could_be_read_of_a_refused_frame_comes_with_it():
     assert read(flipped).header == header(COMMAND.key)
     assert read(b"\xc1" * 20).header is None
     assert read(sealed([*header(COMMAND.key)._replace(cell="left"), ((2048, 2048, 2048),)])).header.cell == "left"
+
+
+def test_a_body_of_the_right_types_that_cannot_be_used_is_rejected_with_the_reason():
+    topic = BY_KEY["plant/description"]
+    key, head = expression(CELL, topic.key), header(topic.key, 0, sender="plant")
+    for period_ns, taken in ((4_500_000, Received), (-1, Rejected)):
+        body = description()._replace(sample_period_ns=period_ns)
+        found = decode(key, topic, CELL, encode(key, head, body), 0)
+        assert isinstance(found, taken)
+    assert found.cause == "malformed" and "-1 ns apart" in found.detail
