@@ -61,16 +61,17 @@ class Parameters:
         assignments = request.arguments.get("set")
         if not isinstance(assignments, list) or not all(isinstance(text, str) for text in assignments):
             return request.refuse("`set` is no list of path=value: send such as controller.law=pi")
-        if self.loaded is None:
+        loaded = self.loaded
+        if loaded is None:
             return request.refuse("no experiment is loaded (`hydrohil run NAME` loads one)")
         try:
-            self._refuse_now(self.loaded, tick)
+            self._refuse_now(loaded, tick)
             after = assigned(self.schedule.target, assignments)
         except ValueError as error:
             return request.refuse(str(error))
-        _, reference, q0, pitch_rad, met, geometry, _ = self.loaded
-        pushed = met if after.impedance != self.schedule.target.impedance else None  # else the load has found its push right
-        self._requested = RequestedChange(request, after, examine(after, reference, q0, pitch_rad, pushed, geometry=geometry))
+        pushed = loaded.met if after.impedance != self.schedule.target.impedance else None  # else the load has checked its push
+        examination = examine(after, loaded.reference, loaded.q0, loaded.pitch_rad, pushed, geometry=loaded.geometry)
+        self._requested = RequestedChange(request, after, examination)
         self.busy = True
         return None
 
