@@ -20,10 +20,16 @@ def name_of(page: Path) -> str:
 
 
 @cache
+def made() -> dict[str, str]:
+    """The pages that are made from the code, by their path on the site."""
+    return generate.generated()
+
+
+@cache
 def site() -> dict[str, str]:
     """Every page of the site by its path there: those that are written, and those that are made from the code."""
     written = {page.relative_to(DOCS).as_posix(): generate.on_site(page.read_text()) for page in DOCS.rglob("*.md")}
-    return written | generate.generated()
+    return written | made()
 
 
 def without_code(text: str) -> str:
