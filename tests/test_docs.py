@@ -20,7 +20,6 @@ from hydrohil.thesis.library import find
 from tests.support.pages import DOCS, PAGES, ROOT, anchors, command_lines, links, made, name_of, rows, site, without_code
 
 COMMANDS: Any = typer.main.get_command(app)
-COMING = ("examples/", "services/controller/laws/", "services/controller/laws/table.py")
 LINES = command_lines()
 README = (ROOT / "README.md").read_text()
 DIALECT = (  # words that only this project used; the glossary and the changelog name them beside those of today
@@ -72,7 +71,7 @@ def test_every_file_and_folder_of_the_project_named_exists() -> None:
         if name_of(page) == "CHANGELOG.md":  # names files of their time
             continue
         for name in re.findall(rf"`((?:{folders})/(?:[\w./*-]*(?:/|\.\w+))?)`", page.read_text()):
-            assert any(ROOT.glob(name.rstrip("/"))) or name in COMING, f"{name_of(page)}: {name}"
+            assert any(ROOT.glob(name.rstrip("/"))), f"{name_of(page)}: {name}"
 
 
 @pytest.mark.parametrize("page", [page for page in PAGES if name_of(page) not in OF_THEIR_TIME], ids=name_of)

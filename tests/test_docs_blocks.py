@@ -71,7 +71,6 @@ def load_toml(example: Example) -> None:
         load(str(path))
 
 
-AWAITED = ("add-a-law",)  # laws/
 PARSERS = (
     PythonCodeBlockParser(),
     CodeBlockParser(language="sh", evaluator=play_shell),
@@ -83,8 +82,6 @@ PARSERS = (
     "page", [page for page in PAGES if any(blocks(page.read_text(), language) for language in LANGUAGES)], ids=name_of
 )
 def test_the_blocks_of_a_page_run_in_their_order(page: Any, tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
-    if page.stem in AWAITED:
-        pytest.xfail("written for a file a law, which comes next")
     monkeypatch.chdir(tmp_path)
     (tmp_path / "runs").mkdir()
     found = list(Sybil(parsers=PARSERS).parse(page).examples())

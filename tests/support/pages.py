@@ -43,7 +43,7 @@ def blocks(text: str, language: str) -> list[str]:
 
 def rows(text: str, first_column: str) -> list[list[str]]:
     """Cells of the table whose heading begins with `first_column`."""
-    table = text[text.index(f"| {first_column} |") :].split("\n\n", 1)[0].splitlines()
+    table = text[text.index(f"\n| {first_column} |") + 1 :].split("\n\n", 1)[0].splitlines()
     return [[cell.strip().strip("`") for cell in line.strip("| ").split("|")] for line in table[2:]]
 
 
