@@ -15,6 +15,8 @@ from hydrohil.services.controller.config import (
 )
 from hydrohil.services.controller.params import OUT_IN_GAINS, TARGET_JOINT, UNIMATE_GAINS
 from hydrohil.shared.contract.envelope import checked
+from hydrohil.shared.machine.description import machine_id
+from hydrohil.shared.machine.unimate import UNIMATE
 from tests.support.machines import description
 
 DESCRIPTION = description()
@@ -134,3 +136,12 @@ def test_a_force_error_knows_no_dead_zone_and_a_position_error_does():
 def test_a_singular_or_negative_impedance_is_refused(wrong):
     with pytest.raises(ValidationError, match=r"greater than|finite number"):
         TypeAdapter(ControllerConfig, config=ConfigDict(allow_inf_nan=False)).validate_python({"impedance": wrong})
+
+
+def test_the_controller_works_with_the_machine_that_is_described_and_states_which():
+    longer = UNIMATE._replace(geometry=UNIMATE.geometry._replace(hand_m=0.7))
+    plants = description(), description(machine=longer)
+    params = [controller_params(ControllerConfig(), plant, 0) for plant in plants]
+    assert [found.geometry.hand_m for found in params] == [0.5, 0.7]
+    assert [found.machine_id for found in params] == [machine_id(plant.machine_hash) for plant in plants]
+    assert params[0].machine_id != params[1].machine_id

@@ -14,7 +14,7 @@ from hydrohil.services.recorder.recorder import Recorder
 from hydrohil.shared.transport.bus import Bus
 from hydrohil.shared.transport.requests import Request
 from tests.recorder.test_recording import read, texts
-from tests.support.recorder_trial import TARE_TICKS, trial
+from tests.support.recorder_trial import DESCRIPTION, TARE_TICKS, trial
 
 
 class Asked:
@@ -63,6 +63,15 @@ def test_a_recording_carries_how_its_host_is_qualified(tmp_path: Path, qualifica
     properties = property_columns(tmp_path / "x.rrd", "qualification")
     assert properties.get("grade", []) == grade
     assert words in properties["words"][0] and "wake_up_max_us" not in properties
+
+
+def test_a_recording_names_the_machine_that_the_plant_describes(tmp_path: Path):
+    recorder = Recorder("bench")
+    Asked(recorder, tmp_path, "record", path="x.rrd", title="t")
+    recorder.take(list(trial(5)))
+    Asked(recorder, tmp_path, "finish", summary_markdown="# PASS")
+    properties = property_columns(tmp_path / "x.rrd", "machine")
+    assert (properties["machine"], properties["hash"]) == (["unimate"], [DESCRIPTION.machine_hash.hex()])
 
 
 def property_columns(path: Path, name: str) -> dict[str, list[Any]]:

@@ -9,7 +9,7 @@ from hydrohil.shared.contract.messages import LinkStats, TripCause
 from hydrohil.shared.trips.formatting import lines, markdown
 from hydrohil.shared.trips.report import counters_of, newest_trip, stop, trip_report
 from hydrohil.shared.trips.tables import tables
-from tests.support.recorder_trial import PERIOD_NS
+from tests.support.recorder_trial import DESCRIPTION, PERIOD_NS
 from tests.support.trip_scene import COUNTS, GATE, ORIGIN, SUPERVISOR, TRIP_NUMBER, TRIP_TICK, caught, report, tripping
 
 TRIP_S = TRIP_TICK * PERIOD_NS * 1e-9
@@ -30,6 +30,11 @@ def test_the_supervisor_s_trip_has_rule_numbers_and_moment():
     assert (document["sample"], document["tick"]) == (TRIP_NUMBER, TRIP_TICK)
     assert document["trial_time_s"] == pytest.approx(TRIP_S)
     assert "force limit" in document["must_hold"] and "hydrohil reset" in document["to_do"]
+
+
+def test_a_trip_names_the_machine_that_was_described():
+    document = report()
+    assert (document["machine"], document["machine_hash"]) == ("unimate", DESCRIPTION.machine_hash.hex())
 
 
 def test_the_sentence_says_what_when_how_soon_and_what_moved():
