@@ -99,7 +99,7 @@ def test_it_takes_as_long_as_was_asked_for(qualify, options, loop_s, baseline_s)
 
 
 def test_the_file_holds_host_trials_and_status_with_null_for_what_is_missing(qualify, tmp_path):
-    file = tmp_path / "new" / "host.json"
+    file = tmp_path / "host.json"
     result = qualify(Host(4_500_000), "--json", str(file))
     written = json.loads(file.read_text(), parse_constant=lambda name: pytest.fail(f"{name} is no JSON"))
     assert [(trial["period_ns"], trial["grade"]) for trial in written["trials"]] == [

@@ -22,10 +22,10 @@ def hydrohil(*arguments: str) -> Result:
 def tuned(tmp_path_factory):
     folder = tmp_path_factory.mktemp("tuned")
     done = hydrohil(
-        "tune", "--link", "down_up", "--seeds", "1", "--json", str(folder / "new" / "t.json"), "--toml", str(folder / "mine.toml")
+        "tune", "--link", "down_up", "--seeds", "1", "--json", str(folder / "t.json"), "--toml", str(folder / "mine.toml")
     )
     assert done.exit_code == 0, done.output
-    return done.stdout, json.loads((folder / "new" / "t.json").read_text()), folder / "mine.toml"
+    return done.stdout, json.loads((folder / "t.json").read_text()), folder / "mine.toml"
 
 
 def compared(tuned):
