@@ -10,8 +10,9 @@ import math
 from collections.abc import Iterator, Sequence
 from typing import Any, NamedTuple
 
+from hydrohil.services.controller.actuation import Handover
 from hydrohil.services.controller.config import ControllerConfig
-from hydrohil.services.controller.step import ControlMemory, Handover
+from hydrohil.services.controller.step import ControlMemory
 from hydrohil.shared.contract.assignments import parsed, put
 from hydrohil.shared.contract.envelope import checked
 from hydrohil.shared.contract.link_units import plain_of, written_location

@@ -7,6 +7,7 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
+from hydrohil.services.controller.actuation import Handover
 from hydrohil.services.controller.checks import CHECKED_AT_ONCE, check, examine
 from hydrohil.services.controller.config import AdaptationConfig, ControllerConfig, ImpedanceConfig, Segment, controller_params
 from hydrohil.services.controller.contact_environment import ContactEnvironment
@@ -24,7 +25,7 @@ from hydrohil.services.controller.parameter_change import (
     leaves,
     may_change,
 )
-from hydrohil.services.controller.step import Handover, control_start
+from hydrohil.services.controller.step import control_start
 from hydrohil.services.plant.config import GateLimits, PlantConfig
 from hydrohil.services.plant.plant_description import describe
 from hydrohil.shared.machine.unimate import UNIMATE

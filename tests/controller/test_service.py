@@ -6,10 +6,10 @@ import pytest
 
 from hydrohil.experiment.experiment import Experiment, to_plain, warnings
 from hydrohil.experiment.overrides import with_overrides
+from hydrohil.services.controller.actuation import Handover
 from hydrohil.services.controller.config import ControllerConfig, ScheduledChange
 from hydrohil.services.controller.laws.table import law_number
 from hydrohil.services.controller.service import Controller
-from hydrohil.services.controller.step import Handover
 from hydrohil.shared.contract.codec import Received
 from hydrohil.shared.contract.envelope import seal
 from hydrohil.shared.contract.messages import NO_TRIAL, GateState, ParameterEvent

@@ -4,6 +4,7 @@ import math
 import numpy as np
 import pytest
 
+from hydrohil.services.controller.actuation import Handover, slewed_code
 from hydrohil.services.controller.config import (
     TARGETS,
     AdaptationConfig,
@@ -15,7 +16,7 @@ from hydrohil.services.controller.config import (
 )
 from hydrohil.services.controller.explicit import FILTERS_AT_REST
 from hydrohil.services.controller.laws.table import LAW_NAMES
-from hydrohil.services.controller.step import Handover, control_start, control_step, slewed_code
+from hydrohil.services.controller.step import control_start, control_step
 from hydrohil.shared.compiled.kernel import compiled
 from hydrohil.shared.contract.converters import ZERO_CODE, code_to_current, current_to_code
 from hydrohil.shared.contract.messages import NO_TRIAL, GateState, Sample
