@@ -50,13 +50,13 @@ fuzz: install
 slow: install
 	$(BIN)/python -m pytest -m slow
 
-# The versions of .venv become those that CI installs.
 # The site in build/site; fails on a link or an anchor that leads nowhere.
 docs: install
 	$(BIN)/python -m pip install --quiet --disable-pip-version-check --editable '.[docs]'
 	$(BIN)/python -m docs.generate
 	$(BIN)/zensical build --clean --strict
 
+# The versions of .venv become those that CI installs.
 lock: install
 	echo '# Versions that CI installs; `make lock` writes them anew from a fresh .venv.' > .ci/constraints.txt
 	$(BIN)/python -m pip freeze --exclude-editable >> .ci/constraints.txt
