@@ -18,7 +18,7 @@ CHUNK_S = 2.0  # of work in a task: far more than the few ms that a scheduler ta
 MOST_PARTS = 10_000  # files of a campaign: of one that takes many hours a task is longer
 AHEAD = 2  # chunks a worker has waiting
 LOST = "what is finished is kept, and the same command goes on"
-Report = Callable[[list[Row]], None]
+Kept = Callable[[list[Row]], None]
 
 
 def trial_s(experiment: Experiment) -> float:
@@ -37,13 +37,13 @@ def chunk_size(one_trial_s: float, trials: int, workers: int) -> int:
     return max(1, min(max(int(CHUNK_S / one_trial_s), trials // MOST_PARTS), trials // (4 * workers)))
 
 
-def run_trials(client: Client, store: Store, numbers: list[int], one_trial_s: float, report: Report) -> None:
-    """Run the trials of these numbers; `report` gets the rows of each chunk that the store has kept. Raises ClusterError."""
+def run_trials(client: Client, store: Store, numbers: list[int], one_trial_s: float, kept: Kept) -> None:
+    """Run the trials of these numbers; `kept` gets the rows of each chunk that the store has kept. Raises ClusterError."""
     try:
         for host in hosts(client):  # one worker compiles for all of its host
             client.submit(warm, store.plan, workers=[host], pure=False).result()
         size = chunk_size(one_trial_s, len(numbers), max(1, slots(client)))
-        _run_chunks(client, store, chunks(numbers, size), report)
+        _run_chunks(client, store, chunks(numbers, size), kept)
     except OtherSourcesError as reason:
         raise ClusterError(f"a worker runs another version ({reason}): install this one there, and start it again") from None
     except ModuleNotFoundError as reason:
@@ -54,11 +54,11 @@ def run_trials(client: Client, store: Store, numbers: list[int], one_trial_s: fl
         raise ClusterError(f"the cluster was lost ({str(reason) or type(reason).__name__}): {LOST}") from None
 
 
-def _run_chunks(client: Client, store: Store, todo: list[tuple[int, ...]], report: Report) -> None:
+def _run_chunks(client: Client, store: Store, todo: list[tuple[int, ...]], kept: Kept) -> None:
     waiting = (client.submit(work, Chunk(store.plan, store.sources, numbers), pure=False) for numbers in todo)
     submitted = as_completed(list(islice(waiting, (1 + AHEAD) * max(1, slots(client)))), loop=client.loop)
     for future in submitted:
         rows = future.result()
         submitted.update(islice(waiting, 1))
         store.keep(rows)
-        report(rows)
+        kept(rows)

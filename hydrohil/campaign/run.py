@@ -67,13 +67,14 @@ def run_campaign(
     workers: int | None = None,
     scheduler: str | None = None,
     fresh: bool = False,
-    report: Callable[[CampaignProgress], None] = lambda _: None,
+    progress: Callable[[CampaignProgress], object] = lambda _: None,
 ) -> CampaignResult:
     """Run every trial of a campaign that `folder` does not hold yet; write NAME.parquet and the pictures there.
 
     `campaign` is the name of one that ships, the path of a TOML file, or a plan. The trials are computed by `workers` processes
     (default: one a core), or by the Dask cluster whose `scheduler` has this address. Local workers import the main module again:
-    a script calls this under `if __name__ == "__main__":`. `fresh` forgets what is finished. `report` gets the progress.
+    a script calls this under `if __name__ == "__main__":`. `fresh` forgets what is finished. `progress`
+    is called at the start and after every few trials.
 
     Trips and failed claims are results and raise nothing. Raises ExperimentError where the campaign or one of its corners is not
     valid, StoreError where the folder cannot take it, ClusterError where there are no workers or they are lost. KeyboardInterrupt
@@ -85,7 +86,7 @@ def run_campaign(
     with opened(plan, folder, fresh=fresh) as store:
         table, ran = store.finished(), 0
         if table is None:
-            ran = _run_missing(store, longest, workers, scheduler, report)
+            ran = _run_missing(store, longest, workers, scheduler, progress)
             table = store.finish()
         wall_s = time.perf_counter() - began
         try:
@@ -101,13 +102,13 @@ def _run_missing(
     longest: Experiment,
     workers: int | None,
     scheduler: str | None,
-    report: Callable[[CampaignProgress], None],
+    progress: Callable[[CampaignProgress], object],
 ) -> int:
     """Run the trials that no part has; returns how many there were."""
     numbers, trials = pending(store), count(store.plan.campaign)
     resumed = trials - len(numbers)
-    progress = CampaignProgress(trials, finished=resumed, resumed=resumed, incomplete=0, trials_per_s=0.0)
-    report(progress)
+    now = CampaignProgress(trials, finished=resumed, resumed=resumed, incomplete=0, trials_per_s=0.0)
+    progress(now)
     if not numbers:
         return 0
     processes = min(workers or len(os.sched_getaffinity(0)), len(numbers))
@@ -115,14 +116,14 @@ def _run_missing(
         began = time.perf_counter()
 
         def kept(rows: list[Row]) -> None:
-            nonlocal progress
-            finished = progress.finished + len(rows)
-            progress = progress._replace(
+            nonlocal now
+            finished = now.finished + len(rows)
+            now = now._replace(
                 finished=finished,
-                incomplete=progress.incomplete + sum(row["ended"] != COMPLETED for row in rows),
+                incomplete=now.incomplete + sum(row["ended"] != COMPLETED for row in rows),
                 trials_per_s=(finished - resumed) / (time.perf_counter() - began),
             )
-            report(progress)
+            progress(now)
 
         run_trials(client, store, numbers, trial_s(longest), kept)
     return len(numbers)

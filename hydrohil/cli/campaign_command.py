@@ -138,7 +138,7 @@ def _carry_out(
 
     with _Bar() as bar:
         try:
-            result = run_campaign(plan, folder, workers=workers, scheduler=scheduler, fresh=fresh, report=bar.show)
+            result = run_campaign(plan, folder, workers=workers, scheduler=scheduler, fresh=fresh, progress=bar.show)
         except KeyboardInterrupt:
             if bar.last is None:
                 raise

@@ -67,7 +67,7 @@ def faults(
             realtime=realtime,
             lease_ms=permit_ttl_ms,
             trips_folder=html.parent / "trips",
-            report=bar.show,
+            progress=bar.show,
         )
     _finish(report._replace(command=command), json_file, html, junit_file)
 

@@ -59,7 +59,7 @@ def qualify(
                 realtime=realtime,
                 place=Place(cell, port),
                 record=False,
-                report=bar.show,
+                progress=bar.show,
             )
     except qualification.RateError as error:
         raise fail(str(error).replace("rate_hz", "--rate-hz"), EXIT_USAGE) from None

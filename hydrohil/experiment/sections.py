@@ -15,13 +15,13 @@ from hydrohil.services.controller.config import (
 from hydrohil.services.controller.parameter_schedule import scheduled
 from hydrohil.services.controller.params import DOWN_UP_GAINS, UNIMATE_GAINS, Gains, LinkGains
 from hydrohil.services.plant.config import GateLimits, PlantConfig, StartPosition, latch_substeps, tare_ticks
-from hydrohil.services.plant.params import UNIMATE, Environment, LinkParams, MachineParams
+from hydrohil.services.plant.params import UNIMATE_PARAMS, Environment, LinkParams, MachineParams
 from hydrohil.services.supervisor.config import SupervisorConfig
 
 __all__ = [
     "DOWN_UP_GAINS",
-    "UNIMATE",
     "UNIMATE_GAINS",
+    "UNIMATE_PARAMS",
     "ActingLinks",
     "AdaptationConfig",
     "ControllerConfig",

@@ -24,14 +24,15 @@ class Settings(NamedTuple):
 
 
 Rigs = Mapping[str, Rig]  # "L": a cell for lockstep, "W": one for the wall clock
+Progress = Callable[[str, Trial | None], None]  # is given a row and its way, and what a trial showed; None where it begins
 
 
 class Execution:
     """Rows under way; complete results stay if it is interrupted."""
 
-    def __init__(self, rows: Sequence[Row], rigs: Rigs, settings: Settings, report: Callable[[str, Trial | None], None]) -> None:
-        """`report` gets every trial: its row and way, and what it showed (None: it begins)."""
-        self.rows, self.rigs, self.settings, self.report = tuple(rows), rigs, settings, report
+    def __init__(self, rows: Sequence[Row], rigs: Rigs, settings: Settings, progress: Progress) -> None:
+        """Nothing runs before `play`."""
+        self.rows, self.rigs, self.settings, self.progress = tuple(rows), rigs, settings, progress
         self.tried: dict[tuple[str, int], WayResult] = {}  # by a row's number and a way's index in it
 
     def play(self) -> None:
@@ -69,7 +70,7 @@ class Execution:
 
     def _repeat(self, row: Row, index: int, way: Simulated | Live, trial: Callable[[int], Trial]) -> None:
         for number in range(count(way, self.settings.trials)):
-            self.report(title(row, way), None)
+            self.progress(title(row, way), None)
             self._add(row, index, way, trial(number))
 
     def _simulated(self, way: Simulated, number: int) -> Trial:
@@ -97,7 +98,7 @@ class Execution:
     def _add(self, row: Row, index: int, way: Way, trial: Trial) -> None:
         before = self.tried.get((row.number, index)) or WayResult(way, ())
         self.tried[row.number, index] = before._replace(trials=(*before.trials, trial))
-        self.report(title(row, way), trial)
+        self.progress(title(row, way), trial)
 
     def _run_tests(self, chosen: list[tuple[Row, int, ByTests]]) -> None:
         if not (ROOT / "tests").is_dir():
@@ -106,7 +107,7 @@ class Execution:
             return
         if not chosen:
             return
-        self.report("tests", None)
+        self.progress("tests", None)
         try:
             found = run_row_tests(test for _, _, way in chosen for test in way.tests)
         except RowTestsError as error:
@@ -116,7 +117,7 @@ class Execution:
             self.tried[row.number, index] = WayResult(way, outcome.trials, outcome.skipped)
             if outcome.trials:
                 failed = [trial.words for trial in outcome.trials if not trial.held]
-                self.report(title(row, way), Trial(not failed, "; ".join(failed)))
+                self.progress(title(row, way), Trial(not failed, "; ".join(failed)))
 
 
 def title(row: Row, way: Way) -> str:

@@ -51,8 +51,8 @@ MACHINE = (
             ByTests(
                 "the limits of the gauge, at gate and supervisor",
                 (
-                    "tests/plant/test_gate_conditions.py::test_just_past_its_limit_a_condition_cuts_to_zero_current_and_burns",
-                    "tests/supervisor/test_rules.py::test_a_rule_breaks_just_past_its_limit_and_tells_its_own_numbers",
+                    "tests/plant/test_gate_conditions.py::test_just_past_its_limit_a_condition_cuts_to_zero_current_and_revokes",
+                    "tests/supervisor/test_rules.py::test_a_rule_breaks_just_past_its_limit_and_gives_its_own_numbers",
                 ),
             ),
         ),
@@ -99,7 +99,7 @@ MACHINE = (
             Simulated("pushed: an energy of 0.5 J", contact_energy),
             ByTests(
                 "each rule at its limit and just past it",
-                ("tests/supervisor/test_rules.py::test_a_rule_breaks_just_past_its_limit_and_tells_its_own_numbers",),
+                ("tests/supervisor/test_rules.py::test_a_rule_breaks_just_past_its_limit_and_gives_its_own_numbers",),
             ),
         ),
     ),
@@ -152,7 +152,7 @@ MACHINE = (
                 "every condition at its limit and just past it; a current that is no number stops",
                 (
                     "tests/plant/test_gate_conditions.py::test_a_command_may_move_by_the_slew_limit_and_not_by_one_more",
-                    "tests/plant/test_gate_conditions.py::test_just_past_its_limit_a_condition_cuts_to_zero_current_and_burns",
+                    "tests/plant/test_gate_conditions.py::test_just_past_its_limit_a_condition_cuts_to_zero_current_and_revokes",
                     "tests/supervisor/test_step.py::test_a_gate_that_has_cut_trips",
                     "tests/controller/test_step.py::test_a_current_that_is_no_number_stops_at_once",
                 ),

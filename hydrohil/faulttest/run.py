@@ -40,7 +40,7 @@ def run_fault_tests(
     realtime: bool = True,
     lease_ms: float | None = None,
     trips_folder: str | Path = TRIPS,
-    report: Callable[[FaultTestProgress], None] = lambda _: None,
+    progress: Callable[[FaultTestProgress], object] = lambda _: None,
 ) -> Report:
     """Try the rows of these numbers ("1", "5b"; none: all of them), each as often as it needs and at most `trials` times.
 
@@ -58,7 +58,7 @@ def run_fault_tests(
     beside = place._replace(cell=f"{place.cell}-lockstep", port=place.port + LOCKSTEP_PORTS)
     rig = Rig(place, extra, restarted.append)
     rigs = {"L": Rig(beside, lockstep_extra(extra), restarted.append), "W": rig}
-    execution = Execution(chosen, rigs, settings, _counted(total(chosen, settings), report))
+    execution = Execution(chosen, rigs, settings, _counted(total(chosen, settings), progress))
     interrupted = False
     try:
         execution.play()
@@ -78,13 +78,13 @@ def run_fault_tests(
     )
 
 
-def _counted(trials: int, report: Callable[[FaultTestProgress], None]) -> Callable[[str, Trial | None], None]:
+def _counted(trials: int, progress: Callable[[FaultTestProgress], object]) -> Callable[[str, Trial | None], None]:
     """What the execution reports, with the number of trials so far."""
     done = 0
 
     def count(title: str, trial: Trial | None) -> None:
         nonlocal done
         done += trial is not None
-        report(FaultTestProgress(title, done, trials, trial))
+        progress(FaultTestProgress(title, done, trials, trial))
 
     return count

@@ -44,7 +44,7 @@ def loop(
     period_substeps: int,
     *,
     options: list[str],
-    report: Callable[[float], None],
+    progress: Callable[[float], object],
     figures: Figures,
 ) -> Figures:
     """`figures` with those of the loop. Raises CellError where no cell comes up: that says nothing of the host."""
@@ -56,7 +56,7 @@ def loop(
             cells.await_ready(place, bus, started)
             samples = bus.subscribe("plant/sample", _DEPTH)
             try:
-                live = run_live(bus, experiment, 0, "real", report, unqualified=True)
+                live = run_live(bus, experiment, 0, "real", progress, unqualified=True)
                 ended, status = live.tripped or live.gap, live.status
             except cells.CellError as error:
                 ended, status = str(error), cells.statuses(bus, cells.LOOP)

@@ -31,18 +31,18 @@ class Measured(NamedTuple):
     granted: dict[str, bool]
 
 
-def measure(settings: Settings, period_substeps: int, report: Callable[[str, float], None]) -> Measured:
-    """One rate. `report` gets the step under way and the seconds that have passed. Raises CellError."""
+def measure(settings: Settings, period_substeps: int, progress: Callable[[str, float], object]) -> Measured:
+    """One rate. `progress` gets the step under way and the seconds that have passed. Raises CellError."""
     period_ns = period_substeps * SUBSTEP_NS
     baseline = probe.Settings(settings.place, period_ns, settings.baseline_s, settings.realtime)
-    report("wake-ups", 0.0)
+    progress("wake-ups", 0.0)
     woken = probe.wake_ups(baseline)
-    report("the machine's own limit", settings.baseline_s)
+    progress("the machine's own limit", settings.baseline_s)
     limit = probe.limit(baseline)
-    report("ping-pong", 2 * settings.baseline_s)
+    progress("ping-pong", 2 * settings.baseline_s)
     pinged = probe.ping(baseline)
     baselines_s = STEPS * settings.baseline_s
-    report("the loop: a cell comes up", baselines_s)
+    progress("the loop: a cell comes up", baselines_s)
     figures = baseline_figures(period_ns, woken["us"], limit, pinged)
     options = [] if settings.realtime else ["--no-realtime"]
     figures = loop(
@@ -50,7 +50,7 @@ def measure(settings: Settings, period_substeps: int, report: Callable[[str, flo
         settings.seconds,
         period_substeps,
         options=options,
-        report=lambda trial_s: report("the loop", baselines_s + max(0.0, trial_s)),
+        progress=lambda trial_s: progress("the loop", baselines_s + max(0.0, trial_s)),
         figures=figures,
     )
     return Measured(figures, woken["granted"])

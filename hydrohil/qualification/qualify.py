@@ -86,7 +86,7 @@ def qualify(
     realtime: bool = True,
     place: Place = PLACE,
     record: bool = True,
-    report: Callable[[QualificationProgress], None] = lambda _: None,
+    progress: Callable[[QualificationProgress], object] = lambda _: None,
 ) -> Qualification:
     """Measure this host at each rate (100 to 1000 Hz) in turn, until one is qualified, and put the result on record.
 
@@ -102,7 +102,7 @@ def qualify(
     load = load_now()
     for period in [_period_substeps(rate_hz) for rate_hz in rates_hz]:
         settings = Settings(place, _loop_s(period, seconds, quick=quick), QUICK_BASELINE_S if quick else BASELINE_S, realtime)
-        measured = measure(settings, period, _reporter(settings, period, report))
+        measured = measure(settings, period, _step_progress(settings, period, progress))
         granted = measured.granted
         trials.append(judged(measured.figures))
         if trials[-1].verdict.qualified:
@@ -126,9 +126,11 @@ def _loop_s(period_substeps: int, seconds: float | None, *, quick: bool) -> floa
     return QUICK_SAMPLES * period_substeps * SUBSTEP_NS / NS_PER_S if quick else LOOP_S
 
 
-def _reporter(settings: Settings, period: int, report: Callable[[QualificationProgress], None]) -> Callable[[str, float], None]:
+def _step_progress(
+    settings: Settings, period: int, progress: Callable[[QualificationProgress], object]
+) -> Callable[[str, float], object]:
     total_s = STEPS * settings.baseline_s + settings.seconds
-    return lambda step, elapsed_s: report(QualificationProgress(period * SUBSTEP_NS, step, elapsed_s, total_s))
+    return lambda step, elapsed_s: progress(QualificationProgress(period * SUBSTEP_NS, step, elapsed_s, total_s))
 
 
 def judged(figures: Figures) -> RateTrial:

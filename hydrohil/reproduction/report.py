@@ -22,7 +22,7 @@ class Report(NamedTuple):
     clock: str
     seeds: int
     source_version: str
-    made: str  # date and time
+    created_at: str  # date and time
     duration_s: float
     machine: str
     command: str
@@ -89,7 +89,7 @@ def to_json(report: Report) -> str:
         "source_version": report.source_version,
         "clock": report.clock,
         "seeds": report.seeds,
-        "made": report.made,
+        "created_at": report.created_at,
         "duration_s": report.duration_s,
         "machine": report.machine,
         "times_real_time": _number(report.times_real_time),

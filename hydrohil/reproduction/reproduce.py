@@ -28,7 +28,7 @@ class ReproductionProgress(NamedTuple):
     total_s: float
 
 
-Observe = Callable[[ReproductionProgress], object]
+Progress = Callable[[ReproductionProgress], object]
 
 
 def reproduce(
@@ -39,7 +39,7 @@ def reproduce(
     workers: int | None = None,
     cell: Cell | None = None,
     unqualified: bool = False,
-    progress: Observe = lambda _: None,
+    progress: Progress = lambda _: None,
 ) -> Report:
     """Try figures again and judge every claim: chapters (`5`, `appendix`) and figures (`fig-4-25`), all of them if none is named.
 
@@ -66,7 +66,7 @@ def reproduce(
         clock=clock,
         seeds=seeds,
         source_version=source_version(),
-        made=datetime.now().astimezone().isoformat(" ", "seconds"),
+        created_at=datetime.now().astimezone().isoformat(" ", "seconds"),
         duration_s=time.perf_counter() - began,
         machine=machine(),
         command=" ".join(["hydrohil reproduce", *what, f"--seeds {seeds} --clock {clock}"]),
@@ -79,7 +79,7 @@ def live_s(chosen: Sequence[Figure], seeds: int) -> float:
     return seeds * simulated_s([find(name) for name in sorted({name for figure in chosen for name in figure.trials})])
 
 
-def _local(todo: Sequence[Group], seeds: int, workers: int, progress: Observe) -> list[Done]:
+def _local(todo: Sequence[Group], seeds: int, workers: int, progress: Progress) -> list[Done]:
     """On the local clock, in processes."""
     work = jobs(todo, seeds)
     progress(ReproductionProgress("starting; compiles once after a change", 0.0, float("nan")))
@@ -87,15 +87,15 @@ def _local(todo: Sequence[Group], seeds: int, workers: int, progress: Observe) -
     with pool(min(workers, len(work))) as ready:
         done_s, total_s = 0.0, sum(job.cost_s for job in work)
         progress(ReproductionProgress(f"{len(work)} jobs", done_s, total_s))
-        for made in ready.run(work):
-            done.append(made)
-            done_s += made.job.cost_s
-            progress(ReproductionProgress(made.job.group.figures[0], done_s, total_s))
+        for finished in ready.run(work):
+            done.append(finished)
+            done_s += finished.job.cost_s
+            progress(ReproductionProgress(finished.job.group.figures[0], done_s, total_s))
         progress(ReproductionProgress("done", total_s, total_s))
     return done
 
 
-def _live(cell: Cell, todo: Sequence[Group], seeds: int, clock: str, progress: Observe, *, unqualified: bool) -> list[Done]:
+def _live(cell: Cell, todo: Sequence[Group], seeds: int, clock: str, progress: Progress, *, unqualified: bool) -> list[Done]:
     """In a cell, one trial after another."""
     begun_s, total_s = 0.0, seeds * sum(simulated_s([find(name)]) for group in todo for name in group.trials)
 

@@ -6,14 +6,14 @@ The text gives neither object nor levels. Chosen once here: an object of 500 kN/
 from hydrohil.claims.bands import Measure, at_least
 from hydrohil.claims.pairs import PairClaim
 from hydrohil.experiment.experiment import Experiment
-from hydrohil.experiment.sections import UNIMATE, ControllerConfig, Environment, ImpedanceConfig, Segment
+from hydrohil.experiment.sections import UNIMATE_PARAMS, ControllerConfig, Environment, ImpedanceConfig, Segment
 from hydrohil.thesis.chapter5 import TIP_Z_M, sampled
 
 CHAIR_N_PER_M = 500e3
 LEVELS_N = (50.0, 100.0, 150.0, 200.0, 250.0)
 LEVEL_S = 6.0
 PRELOAD_N = 12.0  # light contact, which the bias removal takes for zero
-GAUGE_N_PER_M = UNIMATE.sensor_stiffness_n_per_m
+GAUGE_N_PER_M = UNIMATE_PARAMS.sensor_stiffness_n_per_m
 IN_SERIES_N_PER_M = CHAIR_N_PER_M * GAUGE_N_PER_M / (CHAIR_N_PER_M + GAUGE_N_PER_M)
 
 _PRESSED = (

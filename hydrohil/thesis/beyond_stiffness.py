@@ -10,7 +10,7 @@ from hydrohil.claims.bands import Measure, at_least, between
 from hydrohil.claims.claims import Claim
 from hydrohil.claims.pairs import PairClaim
 from hydrohil.experiment.experiment import Experiment
-from hydrohil.experiment.sections import UNIMATE, ControllerConfig, ImpedanceConfig, Segment
+from hydrohil.experiment.sections import UNIMATE_PARAMS, ControllerConfig, ImpedanceConfig, Segment
 from hydrohil.thesis.chapter5 import PRELOAD_N, SOFT_ESTIMATE_N_PER_M, SOFT_N_PER_M, STIFF_ESTIMATE_N_PER_M, plate
 
 SOFT_TARGET_N_PER_M, STIFF_TARGET_N_PER_M = 1500.0, 15e3
@@ -19,7 +19,7 @@ DEPTH_M, START_S, RAMP_S, BLEND_S = 0.065, 0.5, 6.0, 0.5
 CONTACT_N = 5.0  # the tool touches from the start, so no noise can be taken for contact on the way there
 HALF_S, END_S = 60.0, 120.0
 TENTH = 0.1
-K_EFF_N_PER_M = SOFT_N_PER_M * UNIMATE.sensor_stiffness_n_per_m / (SOFT_N_PER_M + UNIMATE.sensor_stiffness_n_per_m)
+K_EFF_N_PER_M = SOFT_N_PER_M * UNIMATE_PARAMS.sensor_stiffness_n_per_m / (SOFT_N_PER_M + UNIMATE_PARAMS.sensor_stiffness_n_per_m)
 
 _HELD = (
     'thesis 9.3.2: "Limit cycles only appear if the force set-point and nominal position trajectory are held stationary for a '

@@ -10,7 +10,7 @@ import math
 from hydrohil.claims.pairs import PairClaim
 from hydrohil.experiment.experiment import Experiment
 from hydrohil.experiment.sections import (
-    UNIMATE,
+    UNIMATE_PARAMS,
     ActingLinks,
     ControllerConfig,
     Environment,
@@ -25,8 +25,8 @@ JITTER_SUBSTEPS = 10  # 4.5 ms on average, "in (4, 5]": the program waited a who
 Q3_M = 0.212  # the tip is 1 m out, the lever at which the gains were tuned
 START = StartPosition(out_in=Q3_M)
 DOWN_UP_ALONE = ActingLinks(rotate=False, out_in=False)
-TIP_X_M = Q3_M + UNIMATE.d3_offset_m  # of that pose, with the tool straight down
-TIP_Z_M = UNIMATE.a2_m - UNIMATE.a4_m
+TIP_X_M = Q3_M + UNIMATE_PARAMS.d3_offset_m  # of that pose, with the tool straight down
+TIP_Z_M = UNIMATE_PARAMS.a2_m - UNIMATE_PARAMS.a4_m
 PRELOAD_N = 12.0  # light contact: more than the gauge's noise, far below the 60 N that a bias may be
 
 SOFT_N_PER_M, STIFF_N_PER_M = 7208.0, 53150.0  # plate, 48 E I / L^3 (5.1.1: 7.2 and 53 kN/m)
@@ -42,7 +42,8 @@ def sampled(environment: Environment) -> PlantConfig:
 
 def plate(stiffness_n_per_m: float, preload_n: float, below_m: float = 0.0) -> PlantConfig:
     """A plate that presses on the tool with `preload_n` at the start, or lies `below_m` under it."""
-    in_series = stiffness_n_per_m * UNIMATE.sensor_stiffness_n_per_m / (stiffness_n_per_m + UNIMATE.sensor_stiffness_n_per_m)
+    gauge = UNIMATE_PARAMS.sensor_stiffness_n_per_m
+    in_series = stiffness_n_per_m * gauge / (stiffness_n_per_m + gauge)
     surface_m = TIP_Z_M + preload_n / in_series - below_m
     return sampled(Environment(kind="plate", stiffness_n_per_m=stiffness_n_per_m, surface_m=surface_m))
 

@@ -12,7 +12,7 @@ import numpy as np
 
 from hydrohil.claims.study import Curve, Panel, Studied
 from hydrohil.claims.trace import Reals, Trace
-from hydrohil.experiment.sections import UNIMATE
+from hydrohil.experiment.sections import UNIMATE_PARAMS
 from hydrohil.thesis.readings import TENTH, about, below, printed
 
 MASS_KG, NET_DAMPING = 500.0, 3.0  # Figure 6-4
@@ -68,7 +68,7 @@ def force_filter(_: Sequence[Trace]) -> Studied:
     answers = [step_m_per_n(k, times) for k in STIFFNESSES_N_PER_M]
     named = [f"k = {k:g} N/m" for k in STIFFNESSES_N_PER_M]
     stiffnesses = np.geomspace(10.0, 1e6, 101)
-    gauge = UNIMATE.sensor_stiffness_n_per_m
+    gauge = UNIMATE_PARAMS.sensor_stiffness_n_per_m
     panels = (
         Panel("time, s", "output, mm/N", tuple(Curve(n, times, 1e3 * a) for n, a in zip(named, answers, strict=True))),
         Panel(

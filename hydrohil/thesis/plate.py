@@ -6,7 +6,7 @@ import numpy as np
 
 from hydrohil.claims.study import Curve, Panel, Studied
 from hydrohil.claims.trace import Trace
-from hydrohil.experiment.sections import UNIMATE
+from hydrohil.experiment.sections import UNIMATE_PARAMS
 from hydrohil.thesis.readings import printed
 
 M_PER_IN = 0.0254
@@ -41,7 +41,7 @@ def in_series_n_per_m(one: float, other: float) -> float:
 def plate_study(_: Sequence[Trace]) -> Studied:
     """Figure 9-1: stiffness over the point of the load."""
     soft, stiff = plate_stiffness_n_per_m(SOFT_SPAN_M), plate_stiffness_n_per_m(STIFF_SPAN_M)
-    gauge = UNIMATE.sensor_stiffness_n_per_m
+    gauge = UNIMATE_PARAMS.sensor_stiffness_n_per_m
     twentieth, tenth = (plate_stiffness_n_per_m(SOFT_SPAN_M, share) / soft for share in (0.05, 0.10))
     spans_m, shares = np.linspace(12.0, 30.0, 181) * M_PER_IN, np.linspace(-0.2, 0.2, 161)
     of_span = np.array([plate_stiffness_n_per_m(span) for span in spans_m])

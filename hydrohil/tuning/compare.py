@@ -6,7 +6,7 @@ from typing import NamedTuple
 
 import numpy as np
 
-from hydrohil.experiment.sections import UNIMATE, UNIMATE_GAINS, LinkGains, PlantConfig
+from hydrohil.experiment.sections import UNIMATE_GAINS, UNIMATE_PARAMS, LinkGains, PlantConfig
 from hydrohil.shared.units import A_PER_MA
 from hydrohil.tuning.bench import Criteria, Step, a_per_printed, rad_per_unit, unit
 from hydrohil.tuning.procedure import LinkTuning
@@ -34,7 +34,7 @@ class Compared(NamedTuple):
 
 def reference(plant: PlantConfig, gains: tuple[LinkGains, LinkGains, LinkGains]) -> tuple[str, tuple[LinkGains, ...]]:
     """Name and gains of what the tuned ones are set against: Table 2 on the Unimate, else what the experiment had."""
-    return (TABLE_2, UNIMATE_GAINS) if plant.machine == UNIMATE else (BEFORE, gains)
+    return (TABLE_2, UNIMATE_GAINS) if plant.machine == UNIMATE_PARAMS else (BEFORE, gains)
 
 
 def compare(tuning: LinkTuning, name: str, given: LinkGains, criteria: Criteria) -> tuple[Compared, ...]:

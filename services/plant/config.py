@@ -4,7 +4,7 @@ from typing import Annotated, NamedTuple
 
 from annotated_types import Ge, Gt, Interval
 
-from hydrohil.services.plant.params import UNIMATE, Environment, MachineParams
+from hydrohil.services.plant.params import UNIMATE_PARAMS, Environment, MachineParams
 from hydrohil.shared.machine import unimate
 from hydrohil.shared.transport.protection import FAULTS_PER_S
 from hydrohil.shared.units import NS_PER_S, SUBSTEP_NS
@@ -27,7 +27,7 @@ class PlantConfig(NamedTuple):
     """Section [plant] of an experiment: the emulated machine, what it touches, where it starts, how it is sampled."""
 
     machine_name: str = DESCRIPTION.name  # whose channels, bounds and limits hold
-    machine: MachineParams = UNIMATE
+    machine: MachineParams = UNIMATE_PARAMS
     environment: Environment = Environment()
     initial_q: StartPosition = StartPosition()
     sample_period_substeps: Annotated[int, Interval(ge=20, le=200)] = 90  # 1 kHz to 100 Hz; 4.5 ms in the thesis

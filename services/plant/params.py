@@ -74,7 +74,7 @@ class MachineParams(NamedTuple):
     force_high_n: Finite = GAUGE.range_n
 
 
-UNIMATE = MachineParams(
+UNIMATE_PARAMS = MachineParams(
     rotate=LinkParams(
         displacement_m3_per_q=1.0 * M3_PER_L,  # stalls at 7.0 kN m
         dead_volume_m3=0.4 * M3_PER_L,

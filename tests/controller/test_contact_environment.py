@@ -4,7 +4,7 @@ from scipy.optimize import brentq
 from hydrohil.experiment.experiment import to_plain
 from hydrohil.services.controller.contact_environment import contact_environment, resting_m
 from hydrohil.services.plant.config import PlantConfig
-from hydrohil.services.plant.params import UNIMATE, Environment, contact_params
+from hydrohil.services.plant.params import UNIMATE_PARAMS, Environment, contact_params
 
 
 def met(kind, surface_m=0.0, stiffness=7208.0):
@@ -20,7 +20,7 @@ def test_axis_and_direction_are_the_plants_own(kind):
 
 
 def test_plate_and_gauge_are_springs_in_series_and_a_standing_crate_leaves_the_gauge_alone():
-    gauge = UNIMATE.sensor_stiffness_n_per_m
+    gauge = UNIMATE_PARAMS.sensor_stiffness_n_per_m
     assert 1.0 / met("plate").stiffness_n_per_m == pytest.approx(1.0 / 7208.0 + 1.0 / gauge)
     assert met("crate").stiffness_n_per_m == gauge
     assert met("free").stiffness_n_per_m == 0.0

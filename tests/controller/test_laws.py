@@ -14,7 +14,7 @@ from hydrohil.services.controller.laws.robust import robust_braking_gain
 from hydrohil.services.controller.laws.table import LAW_NAMES, LAWS, fold, law_number, law_step, take_over
 from hydrohil.services.controller.laws.torque import load_feedforward
 from hydrohil.services.controller.params import A_PER_COUNT, DOWN_UP_GAINS, OUT_IN_GAINS, ROTATE_GAINS, LinkGains
-from hydrohil.services.plant.params import UNIMATE
+from hydrohil.services.plant.params import UNIMATE_PARAMS
 from hydrohil.shared.compiled.kernel import compiled
 from hydrohil.shared.units import A_PER_MA, RAD_PER_DEG
 from tests.support.link_signals import signals
@@ -359,14 +359,18 @@ def test_only_the_torque_law_feeds_the_load_forward_and_against_it():
 
 @pytest.mark.parametrize(
     ("gains", "link", "load"),
-    [(ROTATE_GAINS, UNIMATE.rotate, 250.0), (G, UNIMATE.down_up, 250.0), (OUT_IN_GAINS, UNIMATE.out_in, 500.0)],
+    [
+        (ROTATE_GAINS, UNIMATE_PARAMS.rotate, 250.0),
+        (G, UNIMATE_PARAMS.down_up, 250.0),
+        (OUT_IN_GAINS, UNIMATE_PARAMS.out_in, 500.0),
+    ],
 )
 def test_the_feed_forward_is_what_a_load_takes_off_the_break_away_current(gains, link, load):
     # a stuck link: the ports feed what leaks at D P = F_s - load,  K_q a(u)^2 sqrt((P_s - P) / 2) = C_l P + C_n P
     def break_away_a(load):
         pressure = (link.breakaway_tau - load) / link.displacement_m3_per_q
         leak = (link.cross_leak_m3_per_s_pa + link.null_leak_m3_per_s_pa) * pressure
-        full = link.flow_gain_m3_per_s_sqrt_pa * math.sqrt((UNIMATE.supply_pressure_pa - pressure) / 2.0)
+        full = link.flow_gain_m3_per_s_sqrt_pa * math.sqrt((UNIMATE_PARAMS.supply_pressure_pa - pressure) / 2.0)
         share = brentq(lambda part: full * part * part - leak, 0.0, 1.0)
         return link.overlap_a + share * (link.full_scale_a - link.overlap_a)
 

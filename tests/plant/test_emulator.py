@@ -4,7 +4,7 @@ from hydrohil.services.plant.config import PlantConfig
 from hydrohil.services.plant.device import Timeline
 from hydrohil.services.plant.emulator import Emulator
 from hydrohil.services.plant.machine import advance, machine_start
-from hydrohil.services.plant.params import UNIMATE, Environment, contact_params
+from hydrohil.services.plant.params import UNIMATE_PARAMS, Environment, contact_params
 from hydrohil.shared.compiled.compiled_value import compiled_value
 from hydrohil.shared.contract.faults import Fault
 from hydrohil.shared.contract.messages import NO_TRIAL
@@ -43,9 +43,9 @@ def at(scene, substep):
 def expected(*driven):
     """Positions after (codes, sub-steps) by the machine's own equations, plain."""
     contact = contact_params(Environment())
-    state = machine_start(UNIMATE, contact, PlantConfig().initial_q)
+    state = machine_start(UNIMATE_PARAMS, contact, PlantConfig().initial_q)
     for codes, substeps in driven:
-        state = advance(state, UNIMATE, contact, codes, substeps)
+        state = advance(state, UNIMATE_PARAMS, contact, codes, substeps)
     return state.q, state.spool_a
 
 

@@ -7,7 +7,7 @@ import pytest
 from hydrohil.services.plant.faults import fault_row
 from hydrohil.services.plant.faulty_actuators import faulty_codes, faulty_machine
 from hydrohil.services.plant.machine import machine_start
-from hydrohil.services.plant.params import UNIMATE
+from hydrohil.services.plant.params import UNIMATE_PARAMS
 from hydrohil.shared.contract.faults import CONVERTERS, VALVES, Fault
 from hydrohil.shared.units import SUBSTEP_S
 from tests.plant.test_machine import FREE, LINKS, ONE_METRE, SECOND, SHUT, one_of, run
@@ -22,12 +22,14 @@ def table(*faults):
 
 
 def broken(*faults, tick=0):
-    return faulty_machine(table(*faults), tick, UNIMATE)
+    return faulty_machine(table(*faults), tick, UNIMATE_PARAMS)
 
 
 def steady(machine, index, current_a):
     """The machine after 1.5 s of constant current."""
-    return run(machine_start(UNIMATE, FREE, ONE_METRE), machine, FREE, one_of(index, current_a), SECOND * 3 // 2, SUBSTEP_S)
+    return run(
+        machine_start(UNIMATE_PARAMS, FREE, ONE_METRE), machine, FREE, one_of(index, current_a), SECOND * 3 // 2, SUBSTEP_S
+    )
 
 
 def orifice_speed(machine, current_a):
@@ -45,15 +47,15 @@ def orifice_speed(machine, current_a):
 @pytest.mark.parametrize("share", [0.0, 0.3, 0.6, 0.8])
 def test_what_is_left_of_the_supply_sets_the_speed_as_the_root_of_its_pressure(share):
     machine = broken(Fault("drop", "supply", value=share))
-    assert machine.supply_pressure_pa == pytest.approx((1.0 - share) * UNIMATE.supply_pressure_pa)
+    assert machine.supply_pressure_pa == pytest.approx((1.0 - share) * UNIMATE_PARAMS.supply_pressure_pa)
     speed = steady(machine, 0, 0.3).qd[0]
     assert speed == pytest.approx(orifice_speed(machine, 0.3), rel=0.02)
-    assert speed < 1.001 * math.sqrt(1.0 - share) * steady(UNIMATE, 0, 0.3).qd[0]
+    assert speed < 1.001 * math.sqrt(1.0 - share) * steady(UNIMATE_PARAMS, 0, 0.3).qd[0]
 
 
 def test_without_a_supply_a_moving_link_stops_and_a_standing_one_stays():
     dead = broken(Fault("drop", "supply", value=1.0))
-    moving = steady(UNIMATE, 0, 0.3)
+    moving = steady(UNIMATE_PARAMS, 0, 0.3)
     assert moving.qd[0] > 0.1
     after = run(moving, dead, FREE, one_of(0, 0.3), SECOND, SUBSTEP_S)
     assert after.qd[0] == 0.0
@@ -62,7 +64,7 @@ def test_without_a_supply_a_moving_link_stops_and_a_standing_one_stays():
 
 def break_away_a(machine, index):
     """Current at which a slow ramp moves the link."""
-    state, current_a = machine_start(UNIMATE, FREE, ONE_METRE), 0.0
+    state, current_a = machine_start(UNIMATE_PARAMS, FREE, ONE_METRE), 0.0
     while state.qd[index] == 0.0 and current_a < 0.6:
         current_a += RAMP_A_PER_S * STEPS * SUBSTEP_S
         state = run(state, machine, FREE, one_of(index, current_a), STEPS, SUBSTEP_S)
@@ -74,14 +76,14 @@ def test_a_leak_raises_the_break_away_current_until_the_port_feeds_it(times):
     """At break-away K_q a(u) sqrt((Ps - PL) / 2) = Cl PL with D PL = break-away torque."""
     machine = broken(Fault("leak", "valve_rotate", value=times))
     link = machine.rotate
-    assert link.cross_leak_m3_per_s_pa == times * UNIMATE.rotate.cross_leak_m3_per_s_pa
+    assert link.cross_leak_m3_per_s_pa == times * UNIMATE_PARAMS.rotate.cross_leak_m3_per_s_pa
     load_pa = link.breakaway_tau / link.displacement_m3_per_q
     root = math.sqrt((machine.supply_pressure_pa - load_pa) / 2.0)
     part = math.sqrt(link.cross_leak_m3_per_s_pa * load_pa / (link.flow_gain_m3_per_s_sqrt_pa * root))
     expected_a = link.overlap_a - link.null_bias_a + part * (link.full_scale_a - link.overlap_a)
     found_a = break_away_a(machine, 0)
     assert found_a == pytest.approx(expected_a, rel=0.05)
-    assert times == 1.0 or found_a > break_away_a(UNIMATE, 0)
+    assert times == 1.0 or found_a > break_away_a(UNIMATE_PARAMS, 0)
 
 
 @pytest.mark.parametrize("index", [0, 1, 2])
@@ -90,27 +92,29 @@ def test_the_largest_leak_of_the_table_is_no_trouble_for_the_sub_step(index):
     for current_a in (0.36, -0.36):
         state = steady(machine, index, current_a)
         pressures = state.pressure_a_pa + state.pressure_b_pa
-        assert min(pressures) >= 0.0 and max(pressures) <= UNIMATE.supply_pressure_pa
+        assert min(pressures) >= 0.0 and max(pressures) <= UNIMATE_PARAMS.supply_pressure_pa
         assert state.pressure_a_pa[index] == pytest.approx(state.pressure_b_pa[index], rel=0.1)  # the leak joins them
-        assert abs(state.qd[index]) < abs(steady(UNIMATE, index, current_a).qd[index]) + 1e-12
+        assert abs(state.qd[index]) < abs(steady(UNIMATE_PARAMS, index, current_a).qd[index]) + 1e-12
 
 
 @pytest.mark.parametrize("index", [0, 2])
 def test_a_stuck_spool_goes_on_feeding_when_the_current_is_gone(index):
-    moving = run(machine_start(UNIMATE, FREE, ONE_METRE), UNIMATE, FREE, one_of(index, 0.25), SECOND * 3 // 4, SUBSTEP_S)
+    moving = run(
+        machine_start(UNIMATE_PARAMS, FREE, ONE_METRE), UNIMATE_PARAMS, FREE, one_of(index, 0.25), SECOND * 3 // 4, SUBSTEP_S
+    )
     stuck = broken(Fault("stuck", VALVES[index]))
     after = run(moving, stuck, FREE, SHUT, SECOND // 2, SUBSTEP_S)
     assert after.spool_a[index] == moving.spool_a[index]
     assert after.qd[index] == pytest.approx(moving.qd[index], rel=0.1)
     assert moving.qd[index] > 0.05
-    sound = run(moving, UNIMATE, FREE, SHUT, SECOND // 2, SUBSTEP_S)
+    sound = run(moving, UNIMATE_PARAMS, FREE, SHUT, SECOND // 2, SUBSTEP_S)
     assert sound.qd[index] == 0.0
 
 
 def test_a_spool_stuck_at_null_moves_nothing_whatever_the_current():
     stuck = broken(Fault("stuck", "valve_rotate"))
     state = steady(stuck, 0, 0.36)
-    assert (state.q[0], state.spool_a[0]) == (ONE_METRE[0], UNIMATE.rotate.null_bias_a)
+    assert (state.q[0], state.spool_a[0]) == (ONE_METRE[0], UNIMATE_PARAMS.rotate.null_bias_a)
 
 
 @pytest.mark.parametrize("index", [0, 1, 2])
@@ -129,7 +133,7 @@ def test_nothing_is_broken_before_its_first_tick_nor_after_its_last():
     )
     for tick, acts in ((99, False), (100, True), (119, True), (120, False)):
         machine = broken(*faults, tick=tick)
-        assert (machine != UNIMATE) is acts
+        assert (machine != UNIMATE_PARAMS) is acts
         assert (faulty_codes(table(*faults), tick, (1, 2, 3), (7, 8, 9)) == (7, 2, 3)) is acts
     assert math.isinf(broken(*faults, tick=100).down_up.valve_lag_s)
 

@@ -5,12 +5,12 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from hydrohil.services.plant.friction import friction_limit, slide
-from hydrohil.services.plant.params import UNIMATE, LinkParams
+from hydrohil.services.plant.params import UNIMATE_PARAMS, LinkParams
 from hydrohil.shared.compiled.kernel import compiled, kernel
 
-LINK = UNIMATE.down_up
+LINK = UNIMATE_PARAMS.down_up
 INERTIA = 111.0
-LINKS = [UNIMATE.rotate, UNIMATE.down_up, UNIMATE.out_in]
+LINKS = [UNIMATE_PARAMS.rotate, UNIMATE_PARAMS.down_up, UNIMATE_PARAMS.out_in]
 
 
 @kernel

@@ -5,14 +5,14 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from hydrohil.services.plant.hydraulics import LinkState, chamber_step, port_area, port_flows, signed_root, spool_step
-from hydrohil.services.plant.params import UNIMATE
+from hydrohil.services.plant.params import UNIMATE_PARAMS
 
-LINKS = [UNIMATE.rotate, UNIMATE.down_up, UNIMATE.out_in]
-LINK = UNIMATE.down_up
+LINKS = [UNIMATE_PARAMS.rotate, UNIMATE_PARAMS.down_up, UNIMATE_PARAMS.out_in]
+LINK = UNIMATE_PARAMS.down_up
 SUPPLY, STEP = 7e6, 50e-6
 ENDS = (SUPPLY, 0.0)
 NO_FLOW = (0.0, 0.0)
-SMOOTHING = UNIMATE.root_smoothing_pa
+SMOOTHING = UNIMATE_PARAMS.root_smoothing_pa
 
 
 @pytest.mark.parametrize("link", LINKS)

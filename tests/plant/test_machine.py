@@ -18,7 +18,7 @@ from hydrohil.services.plant.machine import (
     tip_position,
 )
 from hydrohil.services.plant.mechanism import gravity_loads, inertias, posture
-from hydrohil.services.plant.params import UNIMATE, Environment, contact_params
+from hydrohil.services.plant.params import UNIMATE_PARAMS, Environment, contact_params
 from hydrohil.shared.compiled.kernel import compiled
 from hydrohil.shared.units import GRAVITY_M_PER_S2, RAD_PER_DEG, SUBSTEP_S
 
@@ -29,7 +29,7 @@ FREE = contact_params(Environment("free"))
 ONE_METRE = (0.0, 0.0, 0.212)  # level, d3' = 1 m
 SHUT = (0.0, 0.0, 0.0)
 SHUT_CODES = (2048, 2048, 2048)
-LINKS = (UNIMATE.rotate, UNIMATE.down_up, UNIMATE.out_in)
+LINKS = (UNIMATE_PARAMS.rotate, UNIMATE_PARAMS.down_up, UNIMATE_PARAMS.out_in)
 POSES = [ONE_METRE, (0.0, 0.0, 1.04), (1.9, 0.47, 1.04), (-1.9, -0.52, 0.0), (0.5, 0.3, 0.6)]
 SECOND = round(1.0 / SUBSTEP_S)
 
@@ -57,8 +57,8 @@ def without_losses(machine):
 
 @pytest.mark.parametrize("q", POSES)
 def test_a_machine_with_shut_valves_does_not_creep_at_all(q):
-    start = machine_start(UNIMATE, FREE, q)
-    after = run(start, UNIMATE, FREE, SHUT, 2 * SECOND, SUBSTEP_S)
+    start = machine_start(UNIMATE_PARAMS, FREE, q)
+    after = run(start, UNIMATE_PARAMS, FREE, SHUT, 2 * SECOND, SUBSTEP_S)
     assert after.q == start.q
     assert after.qd == SHUT
 
@@ -66,8 +66,8 @@ def test_a_machine_with_shut_valves_does_not_creep_at_all(q):
 @pytest.mark.parametrize("contact", [plate(), plate(53150.0), crate(0.998)])
 def test_a_machine_that_starts_in_contact_holds_its_force(contact):
     q = (0.0, 0.004, 0.212)
-    start = machine_start(UNIMATE, contact, q)
-    after = run(start, UNIMATE, contact, SHUT, 2 * SECOND, SUBSTEP_S)
+    start = machine_start(UNIMATE_PARAMS, contact, q)
+    after = run(start, UNIMATE_PARAMS, contact, SHUT, 2 * SECOND, SUBSTEP_S)
     assert start.contact.force_n > 20.0
     assert after.q == start.q
     assert after.contact == pytest.approx(start.contact)
@@ -76,19 +76,19 @@ def test_a_machine_that_starts_in_contact_holds_its_force(contact):
 @pytest.mark.parametrize("q", POSES)
 def test_the_pressures_of_the_start_carry_the_weight(q):
     """D (Pa - Pb) = -load: without friction and leak nothing accelerates."""
-    start = machine_start(UNIMATE, FREE, q)
-    weight = gravity_loads(UNIMATE, posture(UNIMATE, q))
+    start = machine_start(UNIMATE_PARAMS, FREE, q)
+    weight = gravity_loads(UNIMATE_PARAMS, posture(UNIMATE_PARAMS, q))
     for link, a, b, load in zip(LINKS, start.pressure_a_pa, start.pressure_b_pa, weight, strict=True):
         assert link.displacement_m3_per_q * (a - b) == pytest.approx(-load, abs=1e-6)
-        assert a + b == pytest.approx(UNIMATE.supply_pressure_pa)
-    bare = without_losses(UNIMATE)
+        assert a + b == pytest.approx(UNIMATE_PARAMS.supply_pressure_pa)
+    bare = without_losses(UNIMATE_PARAMS)
     after = run(start, bare, FREE, SHUT, SECOND // 2, SUBSTEP_S)
     assert after.q == pytest.approx(q, abs=1e-9)
 
 
 @pytest.mark.parametrize("contact", [plate(), plate(53150.0), crate(1.009)])
 def test_the_pressures_of_the_start_carry_the_push_of_the_environment(contact):
-    q, bare = (0.1, 0.004, 0.23), without_losses(UNIMATE)
+    q, bare = (0.1, 0.004, 0.23), without_losses(UNIMATE_PARAMS)
     pushed = machine_start(bare, contact, q)
     after = run(pushed, bare, contact, SHUT, SECOND // 2, SUBSTEP_S)
     assert pushed.contact.force_n > 20.0
@@ -98,7 +98,7 @@ def test_the_pressures_of_the_start_carry_the_push_of_the_environment(contact):
 
 
 def test_viscous_friction_alone_brakes_exponentially():
-    bare = without_losses(UNIMATE)
+    bare = without_losses(UNIMATE_PARAMS)
     soft = bare.rotate._replace(bulk_modulus_pa=1e-3, viscous_tau_s_per_q=1500.0)  # chambers that do not resist
     machine = bare._replace(rotate=soft)
     state = machine_start(machine, FREE, ONE_METRE)._replace(qd=(0.2, 0.0, 0.0))
@@ -108,15 +108,15 @@ def test_viscous_friction_alone_brakes_exponentially():
 
 
 def test_a_start_outside_the_travel_is_refused_by_name():
-    machine_start(UNIMATE, FREE, (0.0, 0.0, 1.04))
+    machine_start(UNIMATE_PARAMS, FREE, (0.0, 0.0, 1.04))
     with pytest.raises(ValueError, match=r"out_in starts at 1\.05 m"):
-        machine_start(UNIMATE, FREE, (0.0, 0.0, 1.05))
+        machine_start(UNIMATE_PARAMS, FREE, (0.0, 0.0, 1.05))
 
 
 @pytest.mark.parametrize("index", [0, 1, 2])
 def test_a_shut_link_rings_at_its_hydraulic_frequency(index):
     """w = sqrt(beta D^2 (1 / Va + 1 / Vb) / M) where nothing is lost."""
-    bare, link, q = without_losses(UNIMATE)._replace(counterbalance_kg_m=45.0 * 0.3), LINKS[index], ONE_METRE
+    bare, link, q = without_losses(UNIMATE_PARAMS)._replace(counterbalance_kg_m=45.0 * 0.3), LINKS[index], ONE_METRE
     d = link.displacement_m3_per_q
     volumes = [
         link.dead_volume_m3 + d * (q[index] - link.travel_low_q),
@@ -136,8 +136,8 @@ def test_a_shut_link_rings_at_its_hydraulic_frequency(index):
 
 @pytest.mark.parametrize("index", [0, 1, 2])
 def test_a_moving_link_comes_to_rest_when_its_valve_shuts(index):
-    state = machine_start(UNIMATE, FREE, ONE_METRE)._replace(qd=one_of(index, 0.2))
-    after = run(state, UNIMATE, FREE, SHUT, 2 * SECOND, SUBSTEP_S)
+    state = machine_start(UNIMATE_PARAMS, FREE, ONE_METRE)._replace(qd=one_of(index, 0.2))
+    after = run(state, UNIMATE_PARAMS, FREE, SHUT, 2 * SECOND, SUBSTEP_S)
     assert after.qd == SHUT
     assert abs(after.q[index] - ONE_METRE[index]) < 0.02
 
@@ -156,13 +156,13 @@ def speed_at(machine, index, current_a):
 @pytest.mark.parametrize(("index", "speed"), SPEEDS)
 def test_the_machine_runs_near_its_no_load_speed_at_360_ma(index, speed):
     """Friction, leak, weight and the null's bias keep it from the valve's own speed."""
-    assert 0.75 * speed < speed_at(UNIMATE, index, 0.36) < 1.1 * speed
-    assert -1.1 * speed < speed_at(UNIMATE, index, -0.36) < -0.75 * speed
+    assert 0.75 * speed < speed_at(UNIMATE_PARAMS, index, 0.36) < 1.1 * speed
+    assert -1.1 * speed < speed_at(UNIMATE_PARAMS, index, -0.36) < -0.75 * speed
 
 
 def test_more_supply_pressure_is_more_speed_through_the_same_valve():
     """v goes with sqrt(Ps) where nothing is lost, for the valve's gain is its own."""
-    bare = without_losses(UNIMATE)
+    bare = without_losses(UNIMATE_PARAMS)
     strong = bare._replace(supply_pressure_pa=7.5e6)
     assert speed_at(strong, 0, 0.36) / speed_at(bare, 0, 0.36) == pytest.approx(math.sqrt(7.5 / 7.0), rel=0.01)
 
@@ -170,11 +170,11 @@ def test_more_supply_pressure_is_more_speed_through_the_same_valve():
 def break_away_a(index, sign):
     """Current at which a ramp of 10 mA/s has moved a link by a count."""
     count = (0.0281778 * RAD_PER_DEG, 0.0284006 * RAD_PER_DEG, 0.00105)[index]
-    state = run(machine_start(UNIMATE, FREE, ONE_METRE), UNIMATE, FREE, SHUT, 2 * SECOND, SUBSTEP_S)
+    state = run(machine_start(UNIMATE_PARAMS, FREE, ONE_METRE), UNIMATE_PARAMS, FREE, SHUT, 2 * SECOND, SUBSTEP_S)
     rest, step = state.q[index], SECOND // 100
     for hundredth in range(3000):
         current_a = sign * 0.010 * hundredth / 100
-        state = run(state, UNIMATE, FREE, one_of(index, current_a), step, SUBSTEP_S)
+        state = run(state, UNIMATE_PARAMS, FREE, one_of(index, current_a), step, SUBSTEP_S)
         if abs(state.q[index] - rest) > count:
             assert math.copysign(1.0, state.q[index] - rest) == sign
             return abs(current_a)
@@ -192,21 +192,21 @@ def test_a_slow_ramp_breaks_away_near_the_current_of_table_2(index, sign, table_
 
 @pytest.mark.parametrize("contact", [FREE, plate(), crate(1.2)])
 def test_pressures_stay_between_vacuum_and_the_supply_however_the_valves_swing(contact):
-    state = machine_start(UNIMATE, contact, ONE_METRE)
+    state = machine_start(UNIMATE_PARAMS, contact, ONE_METRE)
     for swing in range(60):
         codes = (3276, 820, 3276) if swing % 2 else (820, 3276, 820)
-        state = advance_compiled(state, UNIMATE, contact, codes, 1 + 97 * swing)
+        state = advance_compiled(state, UNIMATE_PARAMS, contact, codes, 1 + 97 * swing)
         pressures = state.pressure_a_pa + state.pressure_b_pa
-        assert min(pressures) >= 0.0 and max(pressures) < UNIMATE.supply_pressure_pa
+        assert min(pressures) >= 0.0 and max(pressures) < UNIMATE_PARAMS.supply_pressure_pa
 
 
 @pytest.mark.parametrize("index", [0, 1, 2])
 def test_the_end_of_travel_stops_a_link_and_lets_it_come_back(index):
     link = LINKS[index]
-    at_end = run(machine_start(UNIMATE, FREE, ONE_METRE), UNIMATE, FREE, one_of(index, 0.36), 8 * SECOND, SUBSTEP_S)
+    at_end = run(machine_start(UNIMATE_PARAMS, FREE, ONE_METRE), UNIMATE_PARAMS, FREE, one_of(index, 0.36), 8 * SECOND, SUBSTEP_S)
     assert at_end.q[index] == link.travel_high_q
     assert at_end.qd[index] == 0.0
-    back = run(at_end, UNIMATE, FREE, one_of(index, -0.36), SECOND // 2, SUBSTEP_S)
+    back = run(at_end, UNIMATE_PARAMS, FREE, one_of(index, -0.36), SECOND // 2, SUBSTEP_S)
     assert back.q[index] < link.travel_high_q
 
 
@@ -225,10 +225,10 @@ def test_a_stop_holds_what_went_beyond_it_and_leaves_alone_what_stands_at_it(lin
 @pytest.mark.parametrize("stiffness", [7208.0, 53150.0])
 def test_a_tool_driven_into_the_plate_feels_plate_and_gauge_in_series(stiffness):
     contact = plate(stiffness, -0.375)
-    pressed = run(machine_start(UNIMATE, contact, ONE_METRE), UNIMATE, contact, (0.0, 0.15, 0.0), 7000, SUBSTEP_S)
-    rest = run(pressed, UNIMATE, contact, SHUT, 2 * SECOND, SUBSTEP_S)
-    depth_m = -0.375 - tip_position(rest, UNIMATE)[2]
-    ks = UNIMATE.sensor_stiffness_n_per_m
+    pressed = run(machine_start(UNIMATE_PARAMS, contact, ONE_METRE), UNIMATE_PARAMS, contact, (0.0, 0.15, 0.0), 7000, SUBSTEP_S)
+    rest = run(pressed, UNIMATE_PARAMS, contact, SHUT, 2 * SECOND, SUBSTEP_S)
+    depth_m = -0.375 - tip_position(rest, UNIMATE_PARAMS)[2]
+    ks = UNIMATE_PARAMS.sensor_stiffness_n_per_m
     assert rest.qd == SHUT
     assert rest.contact.force_n > 10.0
     assert rest.contact.force_n == pytest.approx(depth_m * stiffness * ks / (stiffness + ks), rel=1e-3)
@@ -237,10 +237,10 @@ def test_a_tool_driven_into_the_plate_feels_plate_and_gauge_in_series(stiffness)
 def pushed_forces(step_s):
     """Contact force over two seconds of pushing the crate at constant current, after one second of getting there."""
     contact = crate(1.01)
-    state = machine_start(UNIMATE, contact, ONE_METRE)
+    state = machine_start(UNIMATE_PARAMS, contact, ONE_METRE)
     forces = []
     for _ in range(300):
-        state = run(state, UNIMATE, contact, (0.0, 0.0, 0.2), round(0.01 / step_s), step_s)
+        state = run(state, UNIMATE_PARAMS, contact, (0.0, 0.0, 0.2), round(0.01 / step_s), step_s)
         forces.append(state.contact.force_n)
     assert state.contact.environment_m > 0.05
     return forces[100:]
@@ -255,8 +255,8 @@ def test_a_crate_pushed_by_the_boom_slides_at_mu_k_m_g():
 def test_speed_and_force_do_not_depend_on_the_sub_step(step_s):
     forces, fine = pushed_forces(SUBSTEP_S), pushed_forces(step_s)
     assert sum(fine) / len(fine) == pytest.approx(sum(forces) / len(forces), rel=0.01)
-    start, current = machine_start(UNIMATE, FREE, ONE_METRE), one_of(1, 0.2)
-    speeds = [run(start, UNIMATE, FREE, current, round(1.0 / h), h).qd[1] for h in (SUBSTEP_S, step_s)]
+    start, current = machine_start(UNIMATE_PARAMS, FREE, ONE_METRE), one_of(1, 0.2)
+    speeds = [run(start, UNIMATE_PARAMS, FREE, current, round(1.0 / h), h).qd[1] for h in (SUBSTEP_S, step_s)]
     assert speeds[1] == pytest.approx(speeds[0], rel=0.01)
 
 
@@ -265,14 +265,14 @@ CONTACTS = [FREE, plate(surface_m=-0.3695), plate(53150.0, -0.3695), crate(1.000
 
 @pytest.mark.parametrize("contact", CONTACTS)
 def test_plain_and_compiled_agree_bit_for_bit(contact):
-    plain = fast = start = machine_start(UNIMATE, contact, (0.1, 0.0, 0.22))
+    plain = fast = start = machine_start(UNIMATE_PARAMS, contact, (0.1, 0.0, 0.22))
     forces = {plain.contact.force_n}
     for codes in ((3276, 3276, 2900), (1500, 2800, 3276), (2048, 2048, 2048), (2600, 820, 900)):
-        plain = advance(plain, UNIMATE, contact, codes, 300)
-        fast = advance_compiled(fast, UNIMATE, contact, codes, 300)
+        plain = advance(plain, UNIMATE_PARAMS, contact, codes, 300)
+        fast = advance_compiled(fast, UNIMATE_PARAMS, contact, codes, 300)
         assert fast == plain
-        assert sense_compiled(fast, UNIMATE, contact, 3.3) == sense(plain, UNIMATE, contact, 3.3)
-        assert ground_truth_compiled(fast, UNIMATE, contact, 7, -3) == ground_truth(plain, UNIMATE, contact, 7, -3)
+        assert sense_compiled(fast, UNIMATE_PARAMS, contact, 3.3) == sense(plain, UNIMATE_PARAMS, contact, 3.3)
+        assert ground_truth_compiled(fast, UNIMATE_PARAMS, contact, 7, -3) == ground_truth(plain, UNIMATE_PARAMS, contact, 7, -3)
         forces.add(plain.contact.force_n)
     assert all(now != then for now, then in zip(plain.q, start.q, strict=True))
     assert len(forces) == (1 if contact is FREE else 5)
@@ -286,24 +286,26 @@ odd_triple = st.tuples(odd, odd, odd)
 @given(odd_triple, odd_triple, odd_triple, odd_triple, odd_triple, st.tuples(odd, odd, odd, odd), st.sampled_from(CONTACTS))
 def test_no_state_however_odd_raises_or_parts_plain_from_compiled(q, qd, spool, a, b, touch, contact):
     state = MachineState(q, qd, spool, a, b, ContactState(*touch))
-    plain = advance(state, UNIMATE, contact, (3276, 820, 2048), 3)
-    assert repr(advance_compiled(state, UNIMATE, contact, (3276, 820, 2048), 3)) == repr(plain)
-    assert sense_compiled(state, UNIMATE, contact, touch[0]) == sense(state, UNIMATE, contact, touch[0])
-    assert repr(ground_truth_compiled(state, UNIMATE, contact, 1, 1)) == repr(ground_truth(state, UNIMATE, contact, 1, 1))
+    plain = advance(state, UNIMATE_PARAMS, contact, (3276, 820, 2048), 3)
+    assert repr(advance_compiled(state, UNIMATE_PARAMS, contact, (3276, 820, 2048), 3)) == repr(plain)
+    assert sense_compiled(state, UNIMATE_PARAMS, contact, touch[0]) == sense(state, UNIMATE_PARAMS, contact, touch[0])
+    assert repr(ground_truth_compiled(state, UNIMATE_PARAMS, contact, 1, 1)) == repr(
+        ground_truth(state, UNIMATE_PARAMS, contact, 1, 1)
+    )
 
 
 def test_the_ground_truth_says_which_link_stands():
-    state = machine_start(UNIMATE, FREE, ONE_METRE)
-    assert ground_truth(state, UNIMATE, FREE, 1, 2).sticking == (1, 1, 1)
-    moving = run(state, UNIMATE, FREE, (0.0, 0.2, 0.0), SECOND // 2, SUBSTEP_S)
-    published = ground_truth(moving, UNIMATE, FREE, 1, 2)
+    state = machine_start(UNIMATE_PARAMS, FREE, ONE_METRE)
+    assert ground_truth(state, UNIMATE_PARAMS, FREE, 1, 2).sticking == (1, 1, 1)
+    moving = run(state, UNIMATE_PARAMS, FREE, (0.0, 0.2, 0.0), SECOND // 2, SUBSTEP_S)
+    published = ground_truth(moving, UNIMATE_PARAMS, FREE, 1, 2)
     assert published.sticking == (1, 0, 1)
-    assert published.tip_m == tip_position(moving, UNIMATE)
+    assert published.tip_m == tip_position(moving, UNIMATE_PARAMS)
 
 
 def test_positive_current_turns_left_goes_down_and_out():
-    start = machine_start(UNIMATE, FREE, ONE_METRE)
-    after = advance_compiled(start, UNIMATE, FREE, (2648, 2648, 2648), SECOND)
+    start = machine_start(UNIMATE_PARAMS, FREE, ONE_METRE)
+    after = advance_compiled(start, UNIMATE_PARAMS, FREE, (2648, 2648, 2648), SECOND)
     assert all(now > before for now, before in zip(after.q, start.q, strict=True))
-    assert tip_position(after, UNIMATE)[2] < tip_position(start, UNIMATE)[2]
-    assert advance_compiled(start, UNIMATE, FREE, SHUT_CODES, SECOND).q == start.q
+    assert tip_position(after, UNIMATE_PARAMS)[2] < tip_position(start, UNIMATE_PARAMS)[2]
+    assert advance_compiled(start, UNIMATE_PARAMS, FREE, SHUT_CODES, SECOND).q == start.q

@@ -3,7 +3,15 @@ import math
 import pytest
 from pydantic import TypeAdapter, ValidationError
 
-from hydrohil.services.plant.params import AXIS_X, AXIS_Z, UNIMATE, ContactParams, Environment, MachineParams, contact_params
+from hydrohil.services.plant.params import (
+    AXIS_X,
+    AXIS_Z,
+    UNIMATE_PARAMS,
+    ContactParams,
+    Environment,
+    MachineParams,
+    contact_params,
+)
 
 MACHINE = TypeAdapter(MachineParams)
 ENVIRONMENT = TypeAdapter(Environment)
@@ -14,31 +22,31 @@ def as_dict(machine: MachineParams) -> dict[str, object]:
 
 
 def test_the_unimate_is_within_its_own_bounds():
-    assert MACHINE.validate_python(as_dict(UNIMATE)) == UNIMATE
+    assert MACHINE.validate_python(as_dict(UNIMATE_PARAMS)) == UNIMATE_PARAMS
 
 
 @pytest.mark.parametrize("supply_pa", [1e5, 6.5e6, 21e6, 35e6])
 def test_the_supply_may_be_that_of_any_hydraulic_arm(supply_pa):
-    assert MACHINE.validate_python(as_dict(UNIMATE) | {"supply_pressure_pa": supply_pa}).supply_pressure_pa == supply_pa
+    assert MACHINE.validate_python(as_dict(UNIMATE_PARAMS) | {"supply_pressure_pa": supply_pa}).supply_pressure_pa == supply_pa
 
 
 @pytest.mark.parametrize("supply_pa", [0.0, -7e6, 35.001e6, math.nan, math.inf])
 def test_a_supply_that_no_hydraulic_arm_has_is_refused(supply_pa):
     with pytest.raises(ValidationError):
-        MACHINE.validate_python(as_dict(UNIMATE) | {"supply_pressure_pa": supply_pa})
+        MACHINE.validate_python(as_dict(UNIMATE_PARAMS) | {"supply_pressure_pa": supply_pa})
 
 
 @pytest.mark.parametrize("name", ["displacement_m3_per_q", "dead_volume_m3", "valve_lag_s", "stribeck_q_per_s"])
 @pytest.mark.parametrize("value", [0.0, -1.0, math.nan, math.inf])
 def test_what_a_sub_step_divides_by_must_be_positive_and_finite(name, value):
     with pytest.raises(ValidationError):
-        MACHINE.validate_python(as_dict(UNIMATE) | {"down_up": UNIMATE.down_up._asdict() | {name: value}})
+        MACHINE.validate_python(as_dict(UNIMATE_PARAMS) | {"down_up": UNIMATE_PARAMS.down_up._asdict() | {name: value}})
 
 
 @pytest.mark.parametrize("ratio", [0.0, 0.0999, 10.001, -1.0, math.nan, math.inf])
 def test_piston_areas_further_apart_than_ten_to_one_are_refused(ratio):
     with pytest.raises(ValidationError):
-        MACHINE.validate_python(as_dict(UNIMATE) | {"out_in": UNIMATE.out_in._asdict() | {"area_ratio": ratio}})
+        MACHINE.validate_python(as_dict(UNIMATE_PARAMS) | {"out_in": UNIMATE_PARAMS.out_in._asdict() | {"area_ratio": ratio}})
 
 
 @pytest.mark.parametrize("stiffness", [0.0, -1.0, math.nan, math.inf])

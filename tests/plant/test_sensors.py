@@ -4,10 +4,10 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from hydrohil.services.plant.params import UNIMATE
+from hydrohil.services.plant.params import UNIMATE_PARAMS
 from hydrohil.services.plant.sensors import MASK, N_PER_COUNT, OFFSET, SCALE, encoder_count, encoder_counts, gauge_counts
 
-QUIET = UNIMATE._replace(force_bias_n=0.0)
+QUIET = UNIMATE_PARAMS._replace(force_bias_n=0.0)
 
 
 def counted(value, channel):
@@ -59,7 +59,7 @@ def test_what_is_no_number_counts_zero(value):
 
 
 def test_the_gauge_reads_force_bias_and_noise_floored():
-    assert gauge_counts(UNIMATE, 100.0, 5.0) == math.floor(135.0 / N_PER_COUNT)
+    assert gauge_counts(UNIMATE_PARAMS, 100.0, 5.0) == math.floor(135.0 / N_PER_COUNT)
     assert gauge_counts(QUIET, 7 * N_PER_COUNT * 1.000001, 0.0) == 7
     assert gauge_counts(QUIET, 7 * N_PER_COUNT * 0.999999, 0.0) == 6
 
@@ -78,4 +78,4 @@ def test_a_wide_amplifier_still_ends_at_the_converter():
 
 
 def test_a_force_that_is_no_number_reads_the_lowest_count():
-    assert gauge_counts(UNIMATE, math.nan, 0.0) == -2048
+    assert gauge_counts(UNIMATE_PARAMS, math.nan, 0.0) == -2048

@@ -12,11 +12,11 @@ from hydrohil.services.plant.contact import contact_start, contact_step
 from hydrohil.services.plant.hydraulics import LinkState
 from hydrohil.services.plant.machine import link_step
 from hydrohil.services.plant.mechanism import inertias, motion_loads, posture
-from hydrohil.services.plant.params import UNIMATE, Environment, contact_params
+from hydrohil.services.plant.params import UNIMATE_PARAMS, Environment, contact_params
 from hydrohil.shared.compiled.kernel import compiled
 
 STEP_S = 50e-6
-LINKS = (UNIMATE.rotate, UNIMATE.down_up, UNIMATE.out_in)
+LINKS = (UNIMATE_PARAMS.rotate, UNIMATE_PARAMS.down_up, UNIMATE_PARAMS.out_in)
 NAMES = ["rotate", "down/up", "out/in"]
 INERTIA = (361.0, 111.0, 45.0)
 HUGE_NM = 1e12  # friction that locks a link
@@ -46,12 +46,15 @@ RUN = compiled(many_steps)
 
 
 def derivatives(link, current_at, load_tau, inertia, locked):
-    """State (q, q', spool, Pa, Pb): valve, orifice, continuity and Newton as docs/physics.md writes them."""
-    supply, drain = UNIMATE.supply_pressure_pa, UNIMATE.return_pressure_pa
+    """State (q, q', spool, Pa, Pb): valve, orifice, continuity and Newton as docs/explanation/physics.md writes them."""
+    supply, drain = UNIMATE_PARAMS.supply_pressure_pa, UNIMATE_PARAMS.return_pressure_pa
     d = link.displacement_m3_per_q
 
     def root(drop):
-        return math.copysign(math.sqrt(abs(drop)), drop) * (drop * drop / (drop * drop + UNIMATE.root_smoothing_pa**2)) ** 0.25
+        return (
+            math.copysign(math.sqrt(abs(drop)), drop)
+            * (drop * drop / (drop * drop + UNIMATE_PARAMS.root_smoothing_pa**2)) ** 0.25
+        )
 
     def rate(t, state):
         q, v, x, a, b = state
@@ -91,7 +94,9 @@ def test_one_link_moves_as_its_differential_equations(index, locked):
     times = np.arange(1, round(0.8 / STEP_S) + 1) * STEP_S
     start = LinkState(middle, 0.0, 0.0, 3.4e6, 3.6e6)
     currents = np.array([current_at(t - STEP_S / 2.0) for t in times])
-    got = RUN(state=start, link=link, machine=UNIMATE, currents=currents, load_tau=load_tau, inertia=inertia, step_s=STEP_S)
+    got = RUN(
+        state=start, link=link, machine=UNIMATE_PARAMS, currents=currents, load_tau=load_tau, inertia=inertia, step_s=STEP_S
+    )
     want = solve_ivp(
         derivatives(link, current_at, load_tau, inertia, locked),
         (0.0, times[-1]),
@@ -115,7 +120,7 @@ def steady_speed(link, current_a, load_tau):
     def excess(speed):
         dry = link.coulomb_tau + (link.breakaway_tau - link.coulomb_tau) * math.exp(-((speed / link.stribeck_q_per_s) ** 2))
         load_pa = (dry + link.viscous_tau_s_per_q * speed - side * load_tau) / d
-        drop = (UNIMATE.supply_pressure_pa - UNIMATE.return_pressure_pa - load_pa) / 2.0
+        drop = (UNIMATE_PARAMS.supply_pressure_pa - UNIMATE_PARAMS.return_pressure_pa - load_pa) / 2.0
         return link.flow_gain_m3_per_s_sqrt_pa * opening * opening * math.sqrt(drop) - leak * load_pa - d * speed
 
     return side * brentq(excess, 1e-3, 2.0)
@@ -133,7 +138,7 @@ def test_a_link_runs_at_the_speed_of_the_orifice_equation(index, current_a):
     got = RUN(
         state=start,
         link=link,
-        machine=UNIMATE,
+        machine=UNIMATE_PARAMS,
         currents=np.full(round(seconds / STEP_S), current_a),
         load_tau=load_tau,
         inertia=INERTIA[index],
@@ -147,14 +152,16 @@ def test_coriolis_and_centrifugal_loads_are_those_of_the_inertias_by_lagrange():
     q, qd, nudge = np.array([0.4, 0.3, 0.6]), np.array([0.5, -0.4, 0.3]), 1e-5
 
     def mass(at):
-        return np.array(inertias(UNIMATE, posture(UNIMATE, tuple(at))))
+        return np.array(inertias(UNIMATE_PARAMS, posture(UNIMATE_PARAMS, tuple(at))))
 
     slopes = np.array(
         [(mass(q + nudge * unit) - mass(q - nudge * unit)) / (2.0 * nudge) for unit in np.eye(3)]
     )  # [j, i] dM_i/dq_j
     want = 0.5 * slopes @ (qd * qd) - qd * (qd @ slopes)
-    arm = posture(UNIMATE, tuple(q))
-    assert motion_loads(UNIMATE, arm, inertias(UNIMATE, arm)[1], tuple(qd)) == pytest.approx(want, rel=1e-6, abs=1e-6)
+    arm = posture(UNIMATE_PARAMS, tuple(q))
+    assert motion_loads(UNIMATE_PARAMS, arm, inertias(UNIMATE_PARAMS, arm)[1], tuple(qd)) == pytest.approx(
+        want, rel=1e-6, abs=1e-6
+    )
 
 
 @pytest.mark.parametrize("plate_n_per_m", [7208.0, 53150.0, 500e3])
@@ -163,11 +170,11 @@ def test_plate_and_gauge_answer_a_moving_tip_as_their_transfer_function(plate_n_
     contact = contact_params(Environment("plate", plate_n_per_m, 0.0))
     times = np.arange(4001) * STEP_S
     depths = 0.005 + 0.001 * np.sin(2.0 * math.pi * 8.0 * times) + 0.0003 * np.sin(2.0 * math.pi * 31.0 * times)
-    state, forces = contact_start(contact, UNIMATE, (1.0, 0.0, -float(depths[0]))), []
+    state, forces = contact_start(contact, UNIMATE_PARAMS, (1.0, 0.0, -float(depths[0]))), []
     for depth in depths:
-        state = contact_step(state, contact, UNIMATE, (1.0, 0.0, -float(depth)), STEP_S)
+        state = contact_step(state, contact, UNIMATE_PARAMS, (1.0, 0.0, -float(depth)), STEP_S)
         forces.append(state.force_n)
-    ks, bs = UNIMATE.sensor_stiffness_n_per_m, UNIMATE.sensor_damping_ns_per_m
+    ks, bs = UNIMATE_PARAMS.sensor_stiffness_n_per_m, UNIMATE_PARAMS.sensor_damping_ns_per_m
     moved = lsim(([plate_n_per_m * bs, plate_n_per_m * ks], [bs, ks + plate_n_per_m]), depths - depths[0], times)[1]
     want = moved + depths[0] * plate_n_per_m * ks / (plate_n_per_m + ks)
     assert np.array(forces) == pytest.approx(want, abs=0.01 * np.ptp(want))
@@ -177,7 +184,7 @@ def test_a_sliding_crate_moves_as_its_differential_equation():
     """m v' = ks p + bs p' - mu m g while the tip drives it."""
     environment = Environment("crate", surface_m=0.0)
     contact, step_s = contact_params(environment), 1e-5
-    ks, bs, mass = UNIMATE.sensor_stiffness_n_per_m, UNIMATE.sensor_damping_ns_per_m, environment.crate_mass_kg
+    ks, bs, mass = UNIMATE_PARAMS.sensor_stiffness_n_per_m, UNIMATE_PARAMS.sensor_damping_ns_per_m, environment.crate_mass_kg
     sliding_n = environment.crate_kinetic_friction * mass * 9.81
 
     def tip(t):
@@ -188,10 +195,10 @@ def test_a_sliding_crate_moves_as_its_differential_equation():
         at, speed = tip(t)
         return v, (ks * (at - x) + bs * (speed - v) - sliding_n) / mass
 
-    state, found, count = contact_start(contact, UNIMATE, (tip(0.0)[0], 0.0, 0.0)), [], round(0.3 / step_s)
+    state, found, count = contact_start(contact, UNIMATE_PARAMS, (tip(0.0)[0], 0.0, 0.0)), [], round(0.3 / step_s)
     state = state._replace(environment_m_per_s=0.3)
     for row in range(1, count + 1):
-        state = contact_step(state, contact, UNIMATE, (tip(row * step_s)[0], 0.0, 0.0), step_s)
+        state = contact_step(state, contact, UNIMATE_PARAMS, (tip(row * step_s)[0], 0.0, 0.0), step_s)
         found.append((state.environment_m, state.environment_m_per_s))
     times = np.arange(1, count + 1) * step_s
     want = solve_ivp(rate, (0.0, times[-1]), (0.0, 0.3), t_eval=times, rtol=1e-9, atol=1e-12, max_step=1e-3).y.T

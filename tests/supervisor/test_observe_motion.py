@@ -8,7 +8,7 @@ from hypothesis import strategies as st
 
 from hydrohil.services.plant.hydraulics import LinkState
 from hydrohil.services.plant.machine import link_step as machine_link_step
-from hydrohil.services.plant.params import UNIMATE
+from hydrohil.services.plant.params import UNIMATE_PARAMS
 from hydrohil.services.supervisor.observe import LinkHealth, SampleContext, observe_step, observer_start
 from hydrohil.services.supervisor.observe_motion import (
     LinkProgress,
@@ -137,8 +137,8 @@ INERTIAS = (420.0, 150.0, 45.0)
 @pytest.mark.parametrize("link", range(3))
 @pytest.mark.parametrize("sign", [-1.0, 1.0])
 def test_the_current_that_must_move_a_link_moves_it_by_a_count_whatever_stands_against_it(link, sign):
-    params = (UNIMATE.rotate, UNIMATE.down_up, UNIMATE.out_in)[link]
-    machine = UNIMATE._replace(supply_pressure_pa=6.5e6)
+    params = (UNIMATE_PARAMS.rotate, UNIMATE_PARAMS.down_up, UNIMATE_PARAMS.out_in)[link]
+    machine = UNIMATE_PARAMS._replace(supply_pressure_pa=6.5e6)
     current_a = sign * (MOTION.moves_up_a if sign > 0.0 else MOTION.moves_down_a)[link]
     for load in LOADS[link]:
         half_pa = (-sign * params.breakaway_tau - load) / params.displacement_m3_per_rad / 2.0  # left the wrong way round
@@ -158,8 +158,8 @@ def test_the_current_that_must_move_a_link_moves_it_by_a_count_whatever_stands_a
 
 @pytest.mark.parametrize("link", range(3))
 def test_a_link_at_full_speed_comes_to_rest_within_its_braking_way(link):
-    params = (UNIMATE.rotate, UNIMATE.down_up, UNIMATE.out_in)[link]
-    machine = UNIMATE._replace(supply_pressure_pa=7.5e6)
+    params = (UNIMATE_PARAMS.rotate, UNIMATE_PARAMS.down_up, UNIMATE_PARAMS.out_in)[link]
+    machine = UNIMATE_PARAMS._replace(supply_pressure_pa=7.5e6)
     for sign in (-1.0, 1.0):
         for load in LOADS[link]:
             state = LinkState(0.2, 0.0, params.null_bias_a, 3.5e6, 3.5e6)

@@ -36,7 +36,7 @@ def report(*results: Result) -> Report:
         clock="local",
         seeds=SEEDS,
         source_version="0123456789abcdef",
-        made="2026-01-01",
+        created_at="2026-01-01",
         duration_s=12.0,
         machine="a machine",
         command="hydrohil reproduce",

@@ -10,7 +10,7 @@ from hydrohil.campaign.borders import border_lines
 from hydrohil.campaign.pictures import draw_all, edges, grid_of
 from hydrohil.campaign.table import schema, table
 from hydrohil.campaign.trials import count, trial_of
-from hydrohil.services.plant.params import UNIMATE
+from hydrohil.services.plant.params import UNIMATE_PARAMS
 from tests.support.campaign_scene import plan
 
 STIFFNESS = {
@@ -45,7 +45,7 @@ def test_a_cell_is_the_mean_of_its_repeats_and_axes_ascend():
 
 def test_the_border_is_twice_and_half_k_eff_whichever_axis_the_plate_is_on():
     x, y = np.array([1e3, 1e4]), np.array([1e2, 1e5])
-    gauge = UNIMATE.sensor_stiffness_n_per_m
+    gauge = UNIMATE_PARAMS.sensor_stiffness_n_per_m
     above, below = border_lines(ONE, ONE.campaign.pictures["map"], x, y)
     k_eff = above.x * gauge / (above.x + gauge)
     assert np.allclose(above.y, 2.0 * k_eff) and np.allclose(below.y, 0.5 * k_eff)

@@ -34,11 +34,11 @@ def test_the_stability_map_has_a_hundred_by_a_hundred_trials_and_both_laws_meet_
 )
 def test_the_thousand_plants_lie_about_the_one_that_ships(field: str):
     from hydrohil.campaign.formula import evaluate
-    from hydrohil.services.plant.params import UNIMATE
+    from hydrohil.services.plant.params import UNIMATE_PARAMS
 
     path = f"plant.machine.down_up.{field}"
     formulas = [axis.sets[path] for axis in find_campaign("law-robustness").campaign.sweep.values() if path in axis.sets]
-    assert [evaluate(formula, 1.0) for formula in formulas] == [pytest.approx(plain_of(UNIMATE)["down_up"][field])]
+    assert [evaluate(formula, 1.0) for formula in formulas] == [pytest.approx(plain_of(UNIMATE_PARAMS)["down_up"][field])]
 
 
 def test_a_name_that_nothing_has_leads_to_the_nearest():

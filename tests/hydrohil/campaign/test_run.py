@@ -27,7 +27,7 @@ def scheduler() -> Iterator[str]:
 def finished(scheduler: str, tmp_path_factory: pytest.TempPathFactory) -> tuple[CampaignResult, list[CampaignProgress]]:
     folder, reports = tmp_path_factory.mktemp("campaign"), list[CampaignProgress]()
     file = write(folder, pictures=PICTURES)
-    return run_campaign(file, folder / "out", scheduler=scheduler, report=reports.append), reports
+    return run_campaign(file, folder / "out", scheduler=scheduler, progress=reports.append), reports
 
 
 def test_every_trial_has_its_row_in_the_table_and_in_its_file(finished):
@@ -53,7 +53,7 @@ def test_the_summary_counts_how_trials_ended_and_spreads_each_metric(finished):
 
 def test_a_finished_campaign_runs_nothing_again(finished):
     result, _ = finished
-    again = run_campaign(result.plan, result.table_file.parent, report=lambda _: pytest.fail("something is run"))
+    again = run_campaign(result.plan, result.table_file.parent, progress=lambda _: pytest.fail("something is run"))
     assert again.ran == 0 and again.table.equals(result.table)
 
 

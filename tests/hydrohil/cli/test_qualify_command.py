@@ -24,10 +24,10 @@ class Host:
     def __init__(self, keeps_up_ns):
         self.keeps_up_ns, self.asked = keeps_up_ns, []
 
-    def measure(self, settings, period_substeps, report):
+    def measure(self, settings, period_substeps, progress):
         period_ns = period_substeps * 50_000
         self.asked.append((period_ns, settings))
-        report("the loop", 1.0)
+        progress("the loop", 1.0)
         late = 0.0 if period_ns >= self.keeps_up_ns else 400.0
         return Measured(GOOD._replace(period_ns=period_ns, unanswered=late), GRANTED)
 
@@ -71,7 +71,7 @@ def test_one_rate_is_tried_alone(qualify, rate, period_ns):
 
 @pytest.mark.parametrize("fifo", [False, True])
 def test_it_is_recorded_under_what_the_host_has_granted_and_not_under_what_was_asked_for(qualify, fifo):
-    def measure(settings, period, report):
+    def measure(settings, period, progress):
         return Measured(GOOD, GRANTED | {"fifo": fifo})
 
     assert qualify(measure, "--rate-hz", "222.2", "--realtime").exit_code == 0

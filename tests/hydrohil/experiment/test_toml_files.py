@@ -6,7 +6,7 @@ import pytest
 
 from hydrohil.experiment.errors import ExperimentError
 from hydrohil.experiment.experiment import Experiment, to_plain
-from hydrohil.experiment.sections import UNIMATE, PlantConfig
+from hydrohil.experiment.sections import UNIMATE_PARAMS, PlantConfig
 from hydrohil.thesis.library import find, load
 
 TEN_LINES = """
@@ -47,7 +47,7 @@ def test_a_file_of_ten_lines_changes_its_base_and_nothing_else(tmp_path: Path):
 
 def test_one_value_of_the_machine_keeps_the_others(tmp_path: Path):
     mine = load(written(tmp_path, "duration_s = 1.0\n[plant.machine]\na4_m = 0.7\n"))
-    assert mine.plant == PlantConfig(machine=UNIMATE._replace(a4_m=0.7))
+    assert mine.plant == PlantConfig(machine=UNIMATE_PARAMS._replace(a4_m=0.7))
 
 
 def test_without_a_base_what_is_not_named_is_the_default(tmp_path: Path):

@@ -11,7 +11,7 @@ from hydrohil.faulttest.tally import HELD
 
 def test_rows_on_the_local_clock_start_no_cell_and_report_each_trial():
     reports: list[FaultTestProgress] = []
-    report = run_fault_tests(["18"], trials=1, quick=True, report=reports.append)
+    report = run_fault_tests(["18"], trials=1, quick=True, progress=reports.append)
     assert [result.verdict for result in report.results] == [HELD] and report.exit_status == 0
     assert [(one.done, one.total, one.trial is None) for one in reports] == [
         (0, 2, True),
@@ -33,4 +33,4 @@ def test_an_interrupt_leaves_what_was_complete(monkeypatch: pytest.MonkeyPatch):
 
 def test_an_unknown_row_is_refused_before_anything_is_started():
     with pytest.raises(UnknownRowError, match="99"):
-        run_fault_tests(["99"], report=lambda _: pytest.fail("something is started"))
+        run_fault_tests(["99"], progress=lambda _: pytest.fail("something is started"))

@@ -13,11 +13,11 @@ from hydrohil.linear.closed_loop import GRID, closed_loop, is_stable, loop_margi
 from hydrohil.linear.linear import Arm, OperatingPoint, actuator, linear_model
 from hydrohil.services.plant.hydraulics import LinkState, port_area, port_flows
 from hydrohil.services.plant.machine import link_step
-from hydrohil.services.plant.params import UNIMATE
+from hydrohil.services.plant.params import UNIMATE_PARAMS
 from hydrohil.simulation.rollout import rollout
 from hydrohil.thesis.library import find
 
-LINK = UNIMATE.down_up
+LINK = UNIMATE_PARAMS.down_up
 NAMES = ("fig-5-2", "fig-5-5", "fig-5-6", "fig-5-9", "fig-5-13")
 EFFECTIVE = 7208.0 * 46e3 / (7208.0 + 46e3)
 FAST = OperatingPoint(0.250)
@@ -136,12 +136,12 @@ def test_a_shut_port_and_a_stalled_actuator_are_refused_by_number():
 @pytest.mark.parametrize("load_pa", [0.0, 1.5e6])
 def test_the_orifice_is_linearised_where_it_is_taken(load_pa):
     point, nudge = OperatingPoint(0.150, load_pa), 1e-4
-    found = actuator(UNIMATE, LINK, 0.0, 1.0, point)
+    found = actuator(UNIMATE_PARAMS, LINK, 0.0, 1.0, point)
 
     def flow(spool_a, load):
         middle = (7e6 + load) / 2.0, (7e6 - load) / 2.0
         gain = LINK.flow_gain_m3_per_s_sqrt_pa * port_area(LINK, spool_a)
-        return port_flows(gain, middle, (7e6, 0.0), UNIMATE.root_smoothing_pa)[0]
+        return port_flows(gain, middle, (7e6, 0.0), UNIMATE_PARAMS.root_smoothing_pa)[0]
 
     slope = (flow(0.150 + nudge, load_pa) - flow(0.150 - nudge, load_pa)) / (2.0 * nudge)
     droop = (flow(0.150, load_pa + 100.0) - flow(0.150, load_pa - 100.0)) / 200.0
@@ -176,7 +176,7 @@ def test_a_small_sine_of_current_shakes_the_running_link_as_the_linear_actuator_
         state = link_step(
             state=state,
             link=LINK,
-            machine=UNIMATE,
+            machine=UNIMATE_PARAMS,
             current_a=current_a + shake_a * math.sin(angular * t),
             load_tau=0.0,
             inertia_tau_s2_per_q=inertia,
@@ -188,7 +188,7 @@ def test_a_small_sine_of_current_shakes_the_running_link_as_the_linear_actuator_
     last = t > settle_s
     waves = np.column_stack((np.sin(angular * t[last]), np.cos(angular * t[last]), np.ones(last.sum())))
     along, across, mean = np.linalg.lstsq(waves, v[last])[0]
-    a = actuator(UNIMATE, LINK, 0.0, 1.0, OperatingPoint(current_a + LINK.null_bias_a, load_pa))
+    a = actuator(UNIMATE_PARAMS, LINK, 0.0, 1.0, OperatingPoint(current_a + LINK.null_bias_a, load_pa))
     s = 1j * angular
     force = a.flow_m3_per_s_a * a.area_m2 / (a.half_compressibility_m3_per_pa * s + a.leak_m3_per_s_pa)
     robot = 1.0 / (inertia * s + LINK.viscous_tau_s_per_q)  # s R_X

@@ -16,8 +16,8 @@ from tests.support.qualification_scene import GOOD
 def host(monkeypatch, tmp_path):
     """It keeps up at 222.2 Hz and grants no real-time scheduling."""
 
-    def measure(settings, period_substeps, report):
-        report("wake-ups", 0.5)
+    def measure(settings, period_substeps, progress):
+        progress("wake-ups", 0.5)
         period_ns = period_substeps * 50_000
         return Measured(GOOD._replace(period_ns=period_ns, unanswered=0.0 if period_ns >= 4_500_000 else 400.0), {"fifo": False})
 
@@ -39,7 +39,7 @@ def test_a_qualification_may_leave_the_record_alone():
 
 def test_progress_names_rate_step_and_seconds():
     reports = []
-    qualify([222.2], quick=True, report=reports.append)
+    qualify([222.2], quick=True, progress=reports.append)
     assert reports == [QualificationProgress(period_ns=4_500_000, step="wake-ups", elapsed_s=0.5, total_s=7.5)]
 
 
@@ -52,7 +52,7 @@ def test_the_summary_is_json_and_says_none_where_no_rate_is_qualified():
 @pytest.mark.parametrize("rate_hz", [0.0, 97.5, 1026.0, float("nan")])
 def test_a_rate_that_no_plant_accepts_is_an_error_before_anything_is_measured(rate_hz: float):
     with pytest.raises(RateError, match="100 to 1000") as caught:
-        qualify([222.2, rate_hz], report=lambda _: pytest.fail("something is measured"))
+        qualify([222.2, rate_hz], progress=lambda _: pytest.fail("something is measured"))
     assert isinstance(caught.value, HydrohilError)
 
 

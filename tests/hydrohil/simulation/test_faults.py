@@ -5,7 +5,7 @@ import pytest
 
 from hydrohil.services.controller.step import control_start
 from hydrohil.services.plant.noise import force_noise_n
-from hydrohil.services.plant.params import UNIMATE
+from hydrohil.services.plant.params import UNIMATE_PARAMS
 from hydrohil.services.plant.sensors import MASK, encoder_counts, gauge_counts
 from hydrohil.shared.contract.faults import ENCODERS, ROWS, Fault, of_group, ticks_of
 from hydrohil.shared.machine import unimate
@@ -63,9 +63,11 @@ def test_a_trial_is_the_same_to_the_bit_until_the_fault_begins_and_another_from_
 def true_readings(outcome):
     """What sound sensors would have given at every sample: encoder counters (n, 3) and counts of the gauge (n,)."""
     rows, count = outcome.rows, len(outcome.rows.tick)
-    noise_n = force_noise_n(SEED, outcome.first_tick, count, UNIMATE.force_noise_sigma_n, UNIMATE.force_noise_clip_n)
-    counts = [encoder_counts(tuple(map(float, q)), UNIMATE.q4_rad)[:3] for q in rows.true_q]
-    force = [gauge_counts(UNIMATE, float(f), float(n)) for f, n in zip(rows.contact_force_n, noise_n, strict=True)]
+    noise_n = force_noise_n(
+        SEED, outcome.first_tick, count, UNIMATE_PARAMS.force_noise_sigma_n, UNIMATE_PARAMS.force_noise_clip_n
+    )
+    counts = [encoder_counts(tuple(map(float, q)), UNIMATE_PARAMS.q4_rad)[:3] for q in rows.true_q]
+    force = [gauge_counts(UNIMATE_PARAMS, float(f), float(n)) for f, n in zip(rows.contact_force_n, noise_n, strict=True)]
     return np.array(counts), np.array(force)
 
 
@@ -141,7 +143,7 @@ def test_a_force_noise_of_zero_leaves_a_reading_without_noise():
 
 def test_a_fault_without_an_end_stays_to_the_trials_end():
     rows = play_local(with_faults(Fault("offset", "encoder_rotate", AT_S, 0.0, 3.0)), SEED).rows
-    off = rows.encoder_counts[:, 0] - [encoder_counts(tuple(map(float, q)), UNIMATE.q4_rad)[0] for q in rows.true_q]
+    off = rows.encoder_counts[:, 0] - [encoder_counts(tuple(map(float, q)), UNIMATE_PARAMS.q4_rad)[0] for q in rows.true_q]
     assert (off == np.where(rows.tick >= FIRST, 3, 0)).all()
     assert rows.tick[-1] == 443
 

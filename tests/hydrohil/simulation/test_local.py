@@ -10,7 +10,7 @@ from hydrohil.services.plant.config import GateLimits, PlantConfig, StartPositio
 from hydrohil.services.plant.device import Timeline
 from hydrohil.services.plant.emulator import Emulator
 from hydrohil.services.plant.noise import force_noise_n, sample_intervals
-from hydrohil.services.plant.params import UNIMATE, Environment
+from hydrohil.services.plant.params import UNIMATE_PARAMS, Environment
 from hydrohil.services.supervisor.config import SupervisorConfig
 from hydrohil.shared.contract.messages import GateCause, GateState, Mode, TripCause
 from hydrohil.shared.machine import unimate
@@ -18,7 +18,7 @@ from hydrohil.simulation.columns import columns
 from hydrohil.simulation.loop import begin, play
 from hydrohil.simulation.rollout import SEGMENT_COLUMNS, play_local, rollout, setup
 
-SURFACE_M = UNIMATE.a2_m - UNIMATE.a4_m + 0.002  # the plate presses on the tool from the start
+SURFACE_M = UNIMATE_PARAMS.a2_m - UNIMATE_PARAMS.a4_m + 0.002  # the plate presses on the tool from the start
 PLANT = PlantConfig(
     environment=Environment("plate", stiffness_n_per_m=7208.0, surface_m=SURFACE_M),
     initial_q=StartPosition(0.0, 0.0, 0.212),

@@ -1,7 +1,7 @@
 import pytest
 
 from hydrohil.services.controller.params import UNIMATE_GAINS, Gains, LinkGains
-from hydrohil.services.plant.params import UNIMATE, LinkParams, MachineParams
+from hydrohil.services.plant.params import UNIMATE_PARAMS, LinkParams, MachineParams
 from hydrohil.shared.contract.link_units import as_fields, plain_of, written_location, written_name
 from hydrohil.shared.contract.schema import child, field_names
 
@@ -28,7 +28,7 @@ def test_no_two_fields_of_a_link_are_written_alike(kind):
         assert not {word for name in names for word in name.split("_")} & {"q", "q2", "tau"}
 
 
-@pytest.mark.parametrize(("value", "kind"), [(UNIMATE, MachineParams), (UNIMATE_GAINS, Gains)])
+@pytest.mark.parametrize(("value", "kind"), [(UNIMATE_PARAMS, MachineParams), (UNIMATE_GAINS, Gains)])
 def test_what_is_written_is_read_as_the_same_fields(value, kind):
     assert as_fields(plain_of(value), kind) == {
         name: part._asdict() if hasattr(part, "_asdict") else part for name, part in value._asdict().items()
