@@ -141,7 +141,7 @@ def test_the_current_that_must_move_a_link_moves_it_by_a_count_whatever_stands_a
     machine = UNIMATE_PARAMS._replace(supply_pressure_pa=6.5e6)
     current_a = sign * (MOTION.moves_up_a if sign > 0.0 else MOTION.moves_down_a)[link]
     for load in LOADS[link]:
-        half_pa = (-sign * params.breakaway_tau - load) / params.displacement_m3_per_rad / 2.0  # left the wrong way round
+        half_pa = (-sign * params.breakaway_tau - load) / params.displacement_m3_per_q / 2.0  # left the wrong way round
         state = LinkState(0.2, 0.0, params.null_bias_a, 3.25e6 + half_pa, 3.25e6 - half_pa)
         for _ in range(int(0.2 / 50e-6)):
             state = machine_link_step(

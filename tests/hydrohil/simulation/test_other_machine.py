@@ -34,8 +34,15 @@ def test_with_a_longer_tool_every_trial_of_the_thesis_runs_to_its_end(name):
     assert trip(with_longer_tool(find(name))) == "NONE"
 
 
-def test_with_unequal_piston_areas_a_trial_runs_to_its_end():
+@pytest.mark.parametrize(
+    ("ratio", "cause"),
+    [
+        (0.9, "NONE"),
+        (0.7, "NOT_READY"),  # the worn valve's leak evens the pressures out while it is shut: the rod creeps off its pose
+    ],
+)
+def test_with_unequal_piston_areas_a_trial_runs_unless_the_leak_moves_the_rod(ratio, cause):
     experiment = find("fig-4-25")
     machine = experiment.plant.machine
-    unequal = machine._replace(down_up=machine.down_up._replace(area_ratio=0.8))
-    assert trip(checked(experiment._replace(plant=experiment.plant._replace(machine=unequal)), "unequal")) == "NONE"
+    unequal = machine._replace(down_up=machine.down_up._replace(area_ratio=ratio))
+    assert trip(checked(experiment._replace(plant=experiment.plant._replace(machine=unequal)), "unequal")) == cause
