@@ -30,7 +30,7 @@ check: install
 	$(BIN)/ruff format --check .
 	$(BIN)/mypy
 
-# Kernels run plain, so that their branches are seen; fails below 100 %.
+# Kernels run plain, so that their branches count; fails below 100 %.
 COVERED := tests/plant/test_gate_*.py tests/supervisor/test_*.py tests/proof/test_black_channel.py tests/proof/test_wire_fuzz.py \
 	tests/shared/transport/test_acceptance.py tests/shared/transport/test_bus.py tests/shared/contract/test_codec.py tests/shared/transport/test_inbox.py \
 	tests/shared/transport/test_protection.py tests/shared/transport/test_link_stats.py tests/shared/transport/test_requests.py tests/shared/contract/test_timeliness.py tests/shared/transport/test_step_lock.py \

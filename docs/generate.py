@@ -1,4 +1,4 @@
-"""The site's sources in `build/docs`: the pages that are written, and those that are made from the code.
+"""The site's sources in `build/docs`: the pages that are written, and those that are generated from the code.
 
 `make docs` calls `python -m docs.generate` and then the site builder. The tests read `generated()` without building anything.
 """
@@ -214,20 +214,20 @@ def _first_line(thing: object) -> str:
 
 
 def generated() -> dict[str, str]:
-    """Every page that is made, by its path on the site."""
-    made = {here: on_site((ROOT / there).read_text()) for there, here in REPOSITORY_PAGES.items()}
-    made |= {
+    """Every generated page, by its path on the site."""
+    pages = {here: on_site((ROOT / there).read_text()) for there, here in REPOSITORY_PAGES.items()}
+    pages |= {
         "reference/command-line.md": command_line(),
         "reference/library.md": library(),
         "reference/rules.md": rules(),
         "reference/faults.md": faults(),
         "reference/experiments.md": experiments(),
     }
-    return made
+    return pages
 
 
 def main() -> None:
-    """Copy what is written, write what is made."""
+    """Copy the written pages, write the generated ones."""
     shutil.rmtree(OUT, ignore_errors=True)
     for source in sorted(DOCS.rglob("*")):
         if source.suffix in COPIED:

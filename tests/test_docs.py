@@ -17,7 +17,7 @@ from hydrohil.shared.contract.faults import LINKS
 from hydrohil.shared.contract.link_units import plain_of
 from hydrohil.shared.contract.topics import SERVICES
 from hydrohil.thesis.library import find
-from tests.support.pages import DOCS, PAGES, ROOT, anchors, command_lines, links, made, name_of, rows, site, without_code
+from tests.support.pages import DOCS, PAGES, ROOT, anchors, command_lines, generated, links, name_of, rows, site, without_code
 
 COMMANDS: Any = typer.main.get_command(app)
 LINES = command_lines()
@@ -43,8 +43,8 @@ def test_every_file_linked_exists(page: Any) -> None:
             continue
         there = (page.parent / target).resolve() if target else page
         on_site = there.relative_to(DOCS).as_posix() if there.is_relative_to(DOCS) else ""
-        assert there.exists() or on_site in made(), f"{name_of(page)}: {link}"
-        text = made()[on_site] if on_site in made() else there.read_text() if there.suffix == ".md" else ""
+        assert there.exists() or on_site in generated(), f"{name_of(page)}: {link}"
+        text = generated()[on_site] if on_site in generated() else there.read_text() if there.suffix == ".md" else ""
         assert not anchor or anchor in anchors(text), f"{name_of(page)}: {link}"
 
 

@@ -97,7 +97,7 @@ def opened(plan: Plan, folder: Path, *, fresh: bool) -> Iterator[Store]:
     try:
         folder.mkdir(parents=True, exist_ok=True)
     except OSError as reason:
-        raise StoreError(f"{folder}: cannot be made ({reason.strerror or reason}): name another folder") from None
+        raise StoreError(f"{folder}: cannot be created ({reason.strerror or reason}): name another folder") from None
     name = plan.campaign.name
     with (folder / f".{name}.lock").open("w") as lock:
         try:

@@ -60,7 +60,7 @@ class Cell:
         `close()` leaves its processes alone. Raises ValueError where `hosts` or `router` cannot be read; whether anybody
         answers shows with the first request.
         """
-        return cls._made(attached_cell(Place(name, port, network(hosts, router))))
+        return cls._of(attached_cell(Place(name, port, network(hosts, router))))
 
     @classmethod
     def open(
@@ -76,10 +76,10 @@ class Cell:
     ) -> Self:
         """The cell that is up, otherwise processes of its own: what `hydrohil run` does. Raises CellError, ValueError."""
         place, options = Place(name, port, network(hosts, router)), service_options(lease_ms, realtime=realtime)
-        return cls._made(found_or_own_cell(place, options, SERVICES if recorder else LOOP))
+        return cls._of(found_or_own_cell(place, options, SERVICES if recorder else LOOP))
 
     @classmethod
-    def _made(cls, connection: AbstractContextManager[Bus]) -> Self:
+    def _of(cls, connection: AbstractContextManager[Bus]) -> Self:
         cell = cls.__new__(cls)
         cell._enter(connection)
         return cell

@@ -27,14 +27,14 @@ def service_options(lease_ms: float | None = None, *, realtime: bool = True) -> 
 
 @contextmanager
 def attached_cell(place: cells.Place) -> Iterator[Bus]:
-    """An operator's bus in a cell that is up, once the plant is seen or a second has passed. Raises CellError."""
+    """An operator's bus in a cell that is up, once the plant has answered or a second has passed. Raises CellError."""
     with cells.operator_bus(place) as bus:
         await_plant(bus)
         yield bus
 
 
 def await_plant(bus: Bus) -> None:
-    """Wait until the plant is seen or a second has passed: links come up in the background."""
+    """Wait until the plant has answered or a second has passed: links come up in the background."""
     deadline = time.monotonic() + _PLANT_S
     while time.monotonic() < deadline and "plant" not in bus.alive(_LOOK_S):
         time.sleep(_LOOK_AGAIN_S)

@@ -1,4 +1,4 @@
-"""Metrics of contact: spikes of force, strikes, and what is left of the deviation when contact is lost."""
+"""Metrics of contact: spikes of force, contacts, and what is left of the deviation when contact is lost."""
 
 import numpy as np
 
@@ -29,7 +29,7 @@ def spikes(trace: Trace, channel: ChannelName) -> float:
 
 
 def contacts(trace: Trace, channel: ChannelName) -> float:
-    """How often contact is made: the reading rises above 20 N after it was below zero.
+    """How often the tool comes into contact: the reading rises above 20 N after it was below zero.
 
     With +-10 N of noise the first needs a true force above 10 N and the second one below.
     """

@@ -12,7 +12,7 @@ COUNT_AT_1_M = COUNT_Q[1]  # what a count of the down/up link moves the tip by, 
 
 
 class Turn(NamedTuple):
-    """One instant at which a signal that went one way is seen to go the other."""
+    """One instant at which a signal that went one way goes the other."""
 
     row: int
     extreme: float  # where it turned

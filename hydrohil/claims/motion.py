@@ -117,7 +117,7 @@ def rms_deviation(trace: Trace, channel: ChannelName) -> float:
 
 
 def max_modification(trace: Trace, channel: ChannelName) -> float:
-    """Largest distance of an axis' set-point from its nominal trajectory: what the target impedance made of the forces."""
+    """Largest distance of an axis' set-point from its nominal trajectory: how far the target impedance gave way."""
     return float(np.max(np.abs(set_point(trace, channel) - nominal(trace, channel))))
 
 

@@ -10,7 +10,7 @@ from hydrohil.cli.options import CONFIDENCE, CellName, Port, app, console, fail,
 from hydrohil.cli.reproduce_command import write_whole
 from hydrohil.shared.exit_status import EXIT_USAGE
 
-if TYPE_CHECKING:  # the page's libraries load when it is made
+if TYPE_CHECKING:  # the page's libraries load when it is written
     from hydrohil.faulttest.report import Report
     from hydrohil.faulttest.run import FaultTestProgress
 

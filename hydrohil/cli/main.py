@@ -39,8 +39,8 @@ EXTRAS = {  # packages that a service on a small host does not need, and the ext
 }
 
 
-def _print_version(wanted: bool) -> None:
-    if wanted:
+def _print_version(show: bool) -> None:
+    if show:
         from importlib.metadata import PackageNotFoundError, version
 
         from hydrohil.shared.compiled.kernel import source_version

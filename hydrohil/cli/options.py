@@ -82,7 +82,7 @@ def make_folders(*files: Path | None) -> None:
             if path is not None:
                 path.parent.mkdir(parents=True, exist_ok=True)
         except OSError as error:
-            raise fail(f"{path}: its folder cannot be made ({error.strerror}): name another", EXIT_USAGE) from None
+            raise fail(f"{path}: its folder cannot be created ({error.strerror}): name another", EXIT_USAGE) from None
         if path is not None and path.is_dir():
             raise fail(f"{path}: is a folder: name a file", EXIT_USAGE)
         if path is not None and not os.access(path if path.exists() else path.parent, os.W_OK):

@@ -1,6 +1,6 @@
 """What an experiment's file may hold, as a JSON Schema: names as a user writes them, units, bounds, choices.
 
-It is made from the types that validate: one source for `show --schema`, for the comments of `show --toml`, and for editors.
+It is derived from the types that validate: one source for `show --schema`, for the comments of `show --toml`, and for editors.
 """
 
 import math

@@ -17,7 +17,7 @@ def merged(under: Any, over: Any) -> Any:
 def named(plain: dict[str, Any], path: Path, base: str = "") -> dict[str, Any]:
     """`plain` with what a file may leave out: name, alias, title and source.
 
-    The name is the file's, where it can be one; alias and title repeat it; the source tells the file, and the base.
+    The name is the file's, where it can be one; alias and title repeat it; the source names the file and the base.
     """
     stem = path.stem.lower().replace("_", "-")
     name = plain.get("name", stem if NAME.fullmatch(stem) else "experiment")

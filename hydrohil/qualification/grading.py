@@ -36,7 +36,7 @@ class Figures(NamedTuple):
     limit_by: str = ""  # who measured it
     ping_us: Spread = Spread()  # bare round trip between two processes
     ping_lost: float = math.nan
-    ended: str = "no trial was made"  # why the trial did not come to its end with every tick; "" = it did
+    ended: str = "no trial was run"  # why the trial did not come to its end with every tick; "" = it did
     samples: int = 0  # of the trial
     unanswered: float = math.nan  # of them, without their command in force at the latch
     shifts: float = math.nan  # samples and latches so late that the plant's grid was shifted

@@ -50,7 +50,7 @@ class Qualification(NamedTuple):
 
     host: Host
     facts: tuple[Found, ...]  # the host as found, with what is recommended
-    trials: tuple[RateTrial, ...]  # in the order in which they were made
+    trials: tuple[RateTrial, ...]  # in the order in which they were run
     fifo: bool  # whether the host granted real-time scheduling; with and without it there is a record each
     on_record: Qualified | None = None  # None: nothing was recorded
     record_file: Path | None = None

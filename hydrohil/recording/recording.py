@@ -100,7 +100,7 @@ def _chunks(file: Path) -> Iterator[Any]:
     """Every chunk of one file."""
     from rerun.chunk import RrdReader
 
-    with file.open("rb"):  # whoever may not read it is told so as of any file
+    with file.open("rb"):  # so that missing rights are reported as for any file
         pass
     with warnings.catch_warnings():
         warnings.simplefilter("ignore")  # a file without a footer was not closed; what it holds is read nevertheless

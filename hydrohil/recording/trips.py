@@ -12,7 +12,7 @@ TRIPS = Path("runs/trips")  # a recorder's folder, and the command line's
 def read_trip(path: str | Path | None = None) -> dict[str, Any]:
     """Read a trip report; without a path the newest in `runs/trips`.
 
-    Its `sentence` says why in words; `cause`, `measured`, `limit` and `sample` are the rule's; `ages` and `counters` tell who was
+    Its `sentence` says why in words; `cause`, `measured`, `limit` and `sample` are the rule's; `ages` and `counters` show who was
     late; `signals` holds the messages of each topic as lists by field (`signals["plant/sample"]["force_counts"]`), None where a
     number is unknown.
     Raises FileError if it is no trip report, or if there is none; OSError if it cannot be read.

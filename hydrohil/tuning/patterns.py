@@ -77,7 +77,7 @@ def middle_q(experiment: Experiment, link: int, gains: LinkGains) -> float:
 
 
 def trial(experiment: Experiment, link: int, law: Law, gains: LinkGains, setpoint: Pattern, middle: float) -> Experiment:
-    """`experiment`'s plant in free space with one link on `wanted` under `law` and `gains`.
+    """`experiment`'s plant in free space with one link on `setpoint` under `law` and `gains`.
 
     The other valves stay shut: each link is tuned in isolation (Appendix C).
     """

@@ -21,7 +21,7 @@ ADAPT_NONE, ADAPT_STIFFNESS, ADAPT_OFFSET, ADAPT_LIMIT_SWITCH = 0, 1, 2, 3
 
 FULL_SLEW_CODES = UNIMATE.converters[0].high - UNIMATE.converters[0].low  # the thesis limits nothing: full swing in one sample
 TIGHT_SLEW_CODES = 100  # 29 mA, inside the valve's overlap of 36 mA
-TIGHT_SAMPLES = 20  # until the regression has seen only the running law
+TIGHT_SAMPLES = 20  # until the regression holds samples of the running law alone
 
 
 class LinkGains(NamedTuple):

@@ -61,7 +61,7 @@ class Force(NamedTuple):
 
 
 def control_start(params: ControllerParams) -> ControlMemory:
-    """Memory of a controller that has seen nothing; the first sample fills it."""
+    """Memory of a controller before its first sample, which fills it."""
     origin = (0.0, 0.0, 0.0)
     trial = begun_trial(-1, NO_TRIAL, 0, False, origin, origin)
     window = filled_window(0, origin, params.sample_period_ns)

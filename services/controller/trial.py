@@ -16,7 +16,7 @@ class Trial(NamedTuple):
     number: int  # of the last sample
     tick: int  # of the last sample
     time_ns: int  # of the last sample
-    started: bool  # its first tick was seen: start pose and bias belong to this trial
+    started: bool  # its first tick has come: start pose and bias belong to this trial
     whole: bool  # and no sample was lost before tick 0
     samples: int  # since the buffers were filled
     q_start: Triple

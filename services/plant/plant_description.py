@@ -1,4 +1,4 @@
-"""What the plant says of itself, made from its configuration: the machine that is named there, as it is configured."""
+"""What the plant says of itself, derived from its configuration: the machine that is named there, as it is configured."""
 
 from hydrohil.services.plant.config import GateLimits, PlantConfig, latch_substeps
 from hydrohil.services.plant.params import PA_PER_MPA, MachineParams, contact_params
@@ -41,7 +41,7 @@ def machine_description(config: PlantConfig) -> MachineDescription:
 
 
 def _check_supply(machine: MachineParams, known: MachineDescription) -> None:
-    """Raise ValueError where the supply is none of this machine's: its valves, hoses and limits are made for that."""
+    """Raise ValueError where the supply is none of this machine's: its valves, hoses and limits are rated for that."""
     if not known.supply_low_pa <= machine.supply_pressure_pa <= known.supply_high_pa:
         low, high = known.supply_low_pa / PA_PER_MPA, known.supply_high_pa / PA_PER_MPA
         raise ValueError(

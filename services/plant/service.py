@@ -229,7 +229,7 @@ class Plant:
             self.clock.schedule.announce(first_sample)
 
     def _wait(self, substep: int) -> None:
-        """Wait until a sub-step is due. A plant that overran its lease cuts before it integrates or writes anything."""
+        """Wait until a sub-step is due. A plant whose overrun exceeds its lease cuts before it integrates or writes anything."""
         clock, keeper = self.clock, self.keeper
         if clock.lockstep:
             clock.grid.restart_at(substep)

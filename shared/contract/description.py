@@ -1,4 +1,4 @@
-"""A plant's description as it is made, and judged wherever it is received: like a configuration, and never trusted."""
+"""Builds a plant's description, and checks one that is received as strictly as a configuration."""
 
 from typing import Any
 

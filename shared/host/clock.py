@@ -1,4 +1,4 @@
-"""The wall clock that paces simulated time: an absolute grid that shifts by what its owner overran."""
+"""The wall clock that paces simulated time: an absolute grid that shifts by its owner's overrun."""
 
 import time
 

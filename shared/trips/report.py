@@ -52,7 +52,7 @@ def trip_report(
     counters: Mapping[str, Any] | None = None,
     changed: Sequence[str] = (),
 ) -> Document | None:
-    """The newest trip in `signals`, with its surroundings and what was `changed` by hand before; None if there is none."""
+    """The newest trip in `signals`, with the messages around it and what was `changed` by hand before; None if there is none."""
     trip = newest_trip(signals)
     if trip is None:
         return None

@@ -30,7 +30,7 @@ _EXAMINED = (Sample, Permit, GateEvent)  # one by one; all other messages are on
 
 
 class Caught(NamedTuple):
-    """A trip with its surroundings."""
+    """A trip with the messages before and after it."""
 
     messages: dict[str, list[Received]]
     description: PlantDescription | None
@@ -93,7 +93,7 @@ class TripRing:
             ring.popleft()
 
     def caught(self, now_ns: int, *, at_once: bool = False) -> list[Caught]:
-        """Trips whose surroundings are complete, or have been waited for long enough."""
+        """Trips whose following messages are complete, or did not come in time."""
         if self._tripped_ns is not None:
             sample_ns, arrival_ns = self._tripped_ns
             if at_once or self._newest_ns - sample_ns >= AFTER_NS or now_ns - arrival_ns >= PATIENCE_NS:

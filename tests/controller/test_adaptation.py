@@ -38,14 +38,14 @@ def adaptation(kind, onset_n=20.0, ceiling_n=100.0, softening=20.0, retreat=0.2,
 
 
 def run(kind, forces, nominal=None, params=TARGET, dts=None, **changed):
-    state, made, out, stiffness_loss = rest(ZERO, ZERO), adaptation(kind, **changed), [], []
+    state, settings, out, stiffness_loss = rest(ZERO, ZERO), adaptation(kind, **changed), [], []
     nominal = np.zeros((len(forces), 3)) if nominal is None else nominal
     for n, force in enumerate(forces):
         dt_s = DT_S if dts is None else float(dts[n])
         state, x_set = adapted_step(
             state,
             params,
-            adaptation=made,
+            adaptation=settings,
             nominal_m=tuple(nominal[n].tolist()),
             force_n=float(force),
             force_error_n=float(force),
@@ -66,9 +66,9 @@ def path(count=400):
 
 
 def test_the_excess_is_zero_on_the_onset_and_one_on_the_ceiling():
-    made = adaptation(ADAPT_OFFSET)
-    assert [force_excess(made, f) for f in (-5.0, 20.0, 60.0, 100.0, 140.0)] == [0.0, 0.0, 0.5, 1.0, 1.5]
-    assert math.isnan(force_excess(made, math.nan))
+    settings = adaptation(ADAPT_OFFSET)
+    assert [force_excess(settings, f) for f in (-5.0, 20.0, 60.0, 100.0, 140.0)] == [0.0, 0.0, 0.5, 1.0, 1.5]
+    assert math.isnan(force_excess(settings, math.nan))
 
 
 def test_without_adaptation_it_is_the_step_of_the_target_alone():
@@ -83,8 +83,8 @@ def test_without_adaptation_it_is_the_step_of_the_target_alone():
             force_error_n=float(force),
             dt_s=DT_S,
         )
-        other, wanted = impedance_step(other, TARGET, (0.01, 0.0, 0.02), float(force), DT_S)
-        assert (x_set, state) == (wanted, other)
+        other, expected = impedance_step(other, TARGET, (0.01, 0.0, 0.02), float(force), DT_S)
+        assert (x_set, state) == (expected, other)
 
 
 @pytest.mark.parametrize("kind", KINDS)
@@ -194,13 +194,13 @@ def test_a_target_against_the_stop_follows_its_differential_equation(sign):
 
 def test_the_damper_of_the_stop_only_takes_energy():
     # the nominal position stands: kinetic and spring energy grow by no more than the work of force and stop
-    made, state, work, before = adaptation(ADAPT_LIMIT_SWITCH, stop_ns_per_m=2e3), rest(ZERO, ZERO), 0.0, 0.0
+    settings, state, work, before = adaptation(ADAPT_LIMIT_SWITCH, stop_ns_per_m=2e3), rest(ZERO, ZERO), 0.0, 0.0
     for force in push():
         state, _ = adapted_step(
-            state, TARGET, adaptation=made, nominal_m=ZERO, force_n=float(force), force_error_n=float(force), dt_s=DT_S
+            state, TARGET, adaptation=settings, nominal_m=ZERO, force_n=float(force), force_error_n=float(force), dt_s=DT_S
         )
         x, v = state.force_offset_m, state.force_velocity_m_per_s
-        work += (force + 100.0 * force_excess(made, float(force))) * (x - before)
+        work += (force + 100.0 * force_excess(settings, float(force))) * (x - before)
         assert 0.5 * MASS * v * v + 0.5 * K * x * x <= work + 1e-9
         before = x
 
@@ -213,10 +213,10 @@ def test_behind_a_stop_of_endless_damping_the_model_stands_wherever_the_nominal_
 
 def test_an_adapting_stiffness_feeds_no_energy_into_a_model_that_only_gives_way():
     # while k only falls, m v^2 / 2 + k x^2 / 2 grows by no more than the work of the force
-    made, state, work, before = adaptation(ADAPT_STIFFNESS), rest(ZERO, ZERO), 0.0, 0.0
+    settings, state, work, before = adaptation(ADAPT_STIFFNESS), rest(ZERO, ZERO), 0.0, 0.0
     for force in np.abs(push()) + 21.0:
         state, _ = adapted_step(
-            state, TARGET, adaptation=made, nominal_m=ZERO, force_n=float(force), force_error_n=float(force), dt_s=DT_S
+            state, TARGET, adaptation=settings, nominal_m=ZERO, force_n=float(force), force_error_n=float(force), dt_s=DT_S
         )
         x, v = state.force_offset_m, state.force_velocity_m_per_s
         work += force * (x - before)
@@ -266,13 +266,23 @@ def test_no_input_leaves_the_domain_and_compiled_agrees_in_every_bit():
     fast, fast_stiffness_loss = compiled(adapted_step), compiled(stiffness_loss_step)
     _, _, state = run(ADAPT_STIFFNESS, push(50))
     for kind in (ADAPT_NONE, *KINDS):
-        made = adaptation(kind)
+        settings = adaptation(kind)
         for value in (math.nan, math.inf, -math.inf, 0.0, 20.0, 1e-320, 1e308, 77.7):
             for dt_s in (DT_S, 0.0, -1.0, math.nan):
-                assert repr(stiffness_loss_step(0.25, made, value, dt_s)) == repr(fast_stiffness_loss(0.25, made, value, dt_s))
+                assert repr(stiffness_loss_step(0.25, settings, value, dt_s)) == repr(
+                    fast_stiffness_loss(0.25, settings, value, dt_s)
+                )
                 plain = adapted_step(
-                    state, TARGET, adaptation=made, nominal_m=(0.1, 0.2, 0.3), force_n=value, force_error_n=value, dt_s=dt_s
+                    state, TARGET, adaptation=settings, nominal_m=(0.1, 0.2, 0.3), force_n=value, force_error_n=value, dt_s=dt_s
                 )
                 assert repr(plain) == repr(
-                    fast(state, TARGET, adaptation=made, nominal_m=(0.1, 0.2, 0.3), force_n=value, force_error_n=value, dt_s=dt_s)
+                    fast(
+                        state,
+                        TARGET,
+                        adaptation=settings,
+                        nominal_m=(0.1, 0.2, 0.3),
+                        force_n=value,
+                        force_error_n=value,
+                        dt_s=dt_s,
+                    )
                 )

@@ -28,7 +28,7 @@ def test_the_set_point_is_that_of_the_differential_equation_for_inputs_held_over
     params, c = _params(k, axis=axis, sign=sign), _damping(k)
     nominal, x, v = rng.normal(size=(120, 3)) * 0.01, rng.normal(size=(120, 3)) * 0.02, rng.normal(size=(120, 3)) * 0.1
     force = rng.normal(size=120) * 100.0
-    state, wanted, rate = rest(ZERO, ZERO), np.zeros(3), np.zeros(3)
+    state, expected, rate = rest(ZERO, ZERO), np.zeros(3), np.zeros(3)
     for i in range(120):
         state, x_set = measured_step(
             state, params, nominal_m=tuple(nominal[i]), x_m=tuple(x[i]), v=tuple(v[i]), force_error_n=force[i], dt_s=DT_S
@@ -36,9 +36,9 @@ def test_the_set_point_is_that_of_the_differential_equation_for_inputs_held_over
         rate = rate + c / MASS_KG * (nominal[i] - (nominal[i - 1] if i else 0.0))  # what c x_d' is at a step
         push = sign * force[i] * (np.arange(3) == axis)
         a = (push - c * v[i] - k * (x[i] - nominal[i])) / MASS_KG
-        run = solve_ivp(lambda _, s, a=a: np.concatenate((s[3:], a)), (0.0, DT_S), np.concatenate((wanted, rate)), rtol=1e-11)
-        wanted, rate = run.y[:3, -1], run.y[3:, -1]
-    assert x_set == pytest.approx(wanted, abs=1e-10)
+        run = solve_ivp(lambda _, s, a=a: np.concatenate((s[3:], a)), (0.0, DT_S), np.concatenate((expected, rate)), rtol=1e-11)
+        expected, rate = run.y[:3, -1], run.y[3:, -1]
+    assert x_set == pytest.approx(expected, abs=1e-10)
     assert state.velocity_m_per_s == pytest.approx(rate, abs=1e-10)
 
 

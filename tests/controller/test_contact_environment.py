@@ -26,7 +26,7 @@ def test_plate_and_gauge_are_springs_in_series_and_a_standing_crate_leaves_the_g
     assert met("free").stiffness_n_per_m == 0.0
 
 
-def test_what_is_no_section_of_a_plant_is_told():
+def test_what_is_no_section_of_a_plant_is_refused():
     with pytest.raises(KeyError, match="environment"):
         contact_environment({})
 

@@ -47,10 +47,10 @@ def _held(numerator, denominator, inputs, dt_s=DT_S):
 @pytest.mark.parametrize("k", [50.0, 500.0, 5000.0, 50e3])
 def test_both_filters_are_the_transfer_functions_of_the_thesis(k, xi_net):
     rng = np.random.default_rng(3)
-    force, wanted, c = rng.normal(size=800) * 50.0, rng.normal(size=800) * 100.0, _damping(k, xi_net)
-    error = force - _held([K_EFF], [MASS_KG, c, k + K_EFF], wanted)
+    force, set_point_n, c = rng.normal(size=800) * 50.0, rng.normal(size=800) * 100.0, _damping(k, xi_net)
+    error = force - _held([K_EFF], [MASS_KG, c, k + K_EFF], set_point_n)
     want = error / K_EFF + _held([1.0], [MASS_KG, c, k], error)
-    assert _run(_params(k, xi_net), force, wanted) == pytest.approx(want, abs=1e-12)
+    assert _run(_params(k, xi_net), force, set_point_n) == pytest.approx(want, abs=1e-12)
 
 
 def _program(force_error_n, k):

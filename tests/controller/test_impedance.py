@@ -30,7 +30,7 @@ def _run(params, nominal, force, dt_s=DT_S):
     return np.array(out)
 
 
-def _wanted(numerator, denominator, inputs):
+def _expected(numerator, denominator, inputs):
     times = np.arange(len(inputs) + 1) * DT_S
     return lsim((numerator, denominator), np.append(inputs, inputs[-1]), times, interp=False)[1]
 
@@ -40,7 +40,7 @@ def test_the_position_response_is_that_of_the_differential_equation(xi):
     nominal = np.random.default_rng(1).normal(size=600) * 0.01
     got = _run(_params(xi), nominal, np.zeros(600))
     c = 2.0 * xi * WN
-    want = _wanted(np.trim_zeros([c, WN * WN], "f"), [1.0, c, WN * WN], nominal)
+    want = _expected(np.trim_zeros([c, WN * WN], "f"), [1.0, c, WN * WN], nominal)
     assert got == pytest.approx(np.outer(want, [1.0, -2.0, 3.0]), abs=2e-12)
 
 
@@ -48,7 +48,7 @@ def test_the_position_response_is_that_of_the_differential_equation(xi):
 def test_the_force_response_is_that_of_the_differential_equation(xi):
     force = np.random.default_rng(2).normal(size=600) * 100.0
     got = _run(_params(xi), np.zeros(600), force)[:, 2]
-    want = _wanted([1.0 / MASS_KG], [1.0, 2.0 * xi * WN, WN * WN], force)
+    want = _expected([1.0 / MASS_KG], [1.0, 2.0 * xi * WN, WN * WN], force)
     assert got == pytest.approx(want, abs=1e-12)
 
 

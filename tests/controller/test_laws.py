@@ -280,8 +280,8 @@ def _brake(law, speed_deg_per_s, samples=40, gains=G):
 @pytest.mark.parametrize("speed", [0.1, 0.149, 0.151, 0.5, 2.99, 3.01, 10.0])
 def test_a_robust_brake_takes_the_threshold_current_or_what_the_speed_asks_if_that_is_more(speed, sign):
     proportional, least = 26.4 * MA * speed, 450 * A_PER_COUNT
-    wanted = proportional if speed <= 0.15 else max(proportional, least)
-    assert _brake(LAW_ROBUST, sign * speed) == pytest.approx(-sign * wanted)
+    expected = proportional if speed <= 0.15 else max(proportional, least)
+    assert _brake(LAW_ROBUST, sign * speed) == pytest.approx(-sign * expected)
     assert _brake(LAW_FINAL, sign * speed) == pytest.approx(-sign * proportional)
 
 
@@ -296,8 +296,8 @@ def test_a_large_motion_is_braked_by_the_robust_law_as_by_the_final_law_in_every
         q_set, qd_set = 1.0 * math.sin(6.0 * t) * DEG, 6.0 * math.cos(6.0 * t) * DEG
         args = (0.9 * q_set, q_set, 0.8 * qd_set, qd_set, DT_S)
         one, u, _ = law_step(LAW_ROBUST, one, G, signals(*args))
-        other, wanted, _ = law_step(LAW_FINAL, other, G, signals(*args))
-        assert u == wanted
+        other, expected, _ = law_step(LAW_FINAL, other, G, signals(*args))
+        assert u == expected
 
 
 def test_a_set_point_that_noise_moves_is_braked_as_by_the_final_law():
@@ -323,15 +323,15 @@ def test_the_robust_law_is_the_solution_of_its_differential_equation():
 
     gains = G._replace(error_dead_zone_q=0.0)
     state, times = LinkLawState(peak_q_per_s=peak, qd_set=peak), np.arange(1, 4001) * dt_s
-    seen = []
+    integrals_a = []
     for t in times:
         q_set, qd_set = amplitude * math.sin(omega * t), peak * math.cos(omega * t)
         state, _, boosted = law_step(LAW_ROBUST, state, gains, signals(0.9 * q_set, q_set, 0.9 * qd_set, qd_set, dt_s))
         assert boosted == 0
-        seen.append(state.integral_a)
+        integrals_a.append(state.integral_a)
     exact = solve_ivp(rate, (0.0, times[-1]), [0.0], t_eval=times, max_step=2e-3, rtol=1e-8, atol=1e-12).y[0]
     assert np.ptp(exact) > 50 * MA
-    assert np.array(seen) == pytest.approx(exact, abs=0.01 * np.ptp(exact))
+    assert np.array(integrals_a) == pytest.approx(exact, abs=0.01 * np.ptp(exact))
 
 
 def test_a_motion_is_as_fast_as_its_fastest_moment_until_the_set_point_stands_or_turns_round():

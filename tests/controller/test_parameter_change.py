@@ -169,19 +169,19 @@ def test_the_target_impedance_moves_over_half_a_second_mass_and_stiffness_geomet
     after = assigned(LOADED, ["controller.impedance.stiffness_n_per_m=200e3", "controller.impedance.damping_ratio=2.2"])
     change = begun(50, LOADED, after, PERIOD_NS)
     assert (change.first, change.last) == (50, 50 + RAMP - 1)
-    seen = [acting(change, number).impedance for number in range(49, 50 + RAMP)]
-    assert seen[0] == LOADED.impedance and seen[-2] != seen[-1] == after.impedance == acting(change, 10**6).impedance
-    ratios = [b.stiffness_n_per_m / a.stiffness_n_per_m for a, b in pairwise(seen)]
+    ramp = [acting(change, number).impedance for number in range(49, 50 + RAMP)]
+    assert ramp[0] == LOADED.impedance and ramp[-2] != ramp[-1] == after.impedance == acting(change, 10**6).impedance
+    ratios = [b.stiffness_n_per_m / a.stiffness_n_per_m for a, b in pairwise(ramp)]
     assert ratios == pytest.approx([4.0 ** (1.0 / RAMP)] * RAMP)
-    steps = [b.damping_ratio - a.damping_ratio for a, b in pairwise(seen)]
+    steps = [b.damping_ratio - a.damping_ratio for a, b in pairwise(ramp)]
     assert steps == pytest.approx([1.0 / RAMP] * RAMP)
-    assert {impedance.mass_kg for impedance in seen} == {LOADED.impedance.mass_kg}
+    assert {impedance.mass_kg for impedance in ramp} == {LOADED.impedance.mass_kg}
 
 
 def test_a_ramp_over_every_decade_that_may_be_stays_between_its_ends():
     light, heavy = (LOADED._replace(impedance=LOADED.impedance._replace(mass_kg=mass)) for mass in (1e-300, 1e6))
-    seen = [blended(light, heavy, share / 10).impedance.mass_kg for share in range(1, 10)]
-    assert seen == sorted(seen) and seen[0] > 1e-300 and seen[-1] < 1e6
+    ramp = [blended(light, heavy, share / 10).impedance.mass_kg for share in range(1, 10)]
+    assert ramp == sorted(ramp) and ramp[0] > 1e-300 and ramp[-1] < 1e6
 
 
 def test_a_mass_too_small_to_be_one_is_refused():

@@ -68,14 +68,14 @@ def test_a_foreign_plant_section_is_refused_and_the_controller_lives_on(wrong):
     assert not accepted and reason
 
 
-def test_what_came_is_told_once_a_second_and_when_the_gate_is_revoked():
+def test_link_stats_are_published_once_a_second_and_when_the_gate_is_revoked():
     controller = Controller(FakeBus())
     controller._learn(DESCRIPTION)
     for number in range(300):
         gate = GateState.REVOKED if 250 <= number < 260 else GateState.SHUT
         head = header("plant/sample", number)
         controller._answer(Received(0, "plant/sample", head, sample(number, gate=int(gate))))
-    assert [told.number for told in controller.bus.of("controller/link_stats")] == [0, 222, 250]
+    assert [message.number for message in controller.bus.of("controller/link_stats")] == [0, 222, 250]
 
 
 def test_a_lockstep_commit_after_an_injection_is_refused_and_nothing_has_changed():
@@ -121,7 +121,7 @@ class Cell:
 
     def sample(self, tick=NO_TRIAL):
         gate = GateState.OPEN if tick > 0 else GateState.SHUT
-        made = sample(
+        body = sample(
             self.number,
             tick,
             gate=int(gate),
@@ -129,7 +129,7 @@ class Cell:
             trial_time_ns=max(0, tick) * PERIOD_NS,
             dac_counts=self.dac,
         )
-        self.controller._answer(Received(0, "plant/sample", header("plant/sample", self.number), made))
+        self.controller._answer(Received(0, "plant/sample", header("plant/sample", self.number), body))
         self.number += 1
         codes = self.bus.of("controller/command")[-1].dac_counts
         self.dac = codes if tick >= 0 else self.dac
@@ -145,7 +145,7 @@ SWING = find("fig-4-25")._replace(controller=ControllerConfig(target="joint"))
 PRESS = find("fig-5-5")
 
 
-def test_a_change_acts_at_the_next_sample_which_the_answer_names_and_is_told_value_by_value():
+def test_a_change_acts_at_the_next_sample_which_the_answer_names_and_is_published_value_by_value():
     cell = Cell(SWING).to_tick(40)
     assert cell.ask("parameters", set=["controller.law=pi", "controller.gains.down_up.kp_a_per_rad=3"]) is None
     number, before = cell.number, cell.controller.params
@@ -176,7 +176,7 @@ def warmed_up(cell, number):
     return cell.controller.status()["warmed_up"]
 
 
-def test_a_warmup_of_the_last_sample_is_rehearsed_and_leaves_no_trace():
+def test_a_warmup_of_the_last_sample_is_computed_and_leaves_no_trace():
     cell, other = Cell(SWING), Cell(SWING)
     for one in (cell, other):
         head = header("plant/sample", 0, echo_number=0)
@@ -223,12 +223,12 @@ def test_a_target_moves_sample_by_sample_and_ends_at_what_was_asked():
         cell.controller.parameters.examine()
     for tick in range(41, 41 + 112):
         cell.sample(tick)
-        seen = cell.controller.params.impedance.stiffness_n_per_m
-        assert seen == pytest.approx(50e3 * 2.0 ** (min(1.0, (tick - 40) / 111)))
-    assert seen == 100e3
+        stiffness_n_per_m = cell.controller.params.impedance.stiffness_n_per_m
+        assert stiffness_n_per_m == pytest.approx(50e3 * 2.0 ** (min(1.0, (tick - 40) / 111)))
+    assert stiffness_n_per_m == 100e3
     assert cell.answers[0][2]["warnings"] == []
-    (told,) = cell.bus.of("controller/parameter_change")
-    assert (told.tick, told.ramp_samples, told.old, told.new) == (41, 111, "50000.0", "100000.0")
+    (event,) = cell.bus.of("controller/parameter_change")
+    assert (event.tick, event.ramp_samples, event.old, event.new) == (41, 111, "50000.0", "100000.0")
 
 
 def test_a_target_that_must_limit_cycle_is_taken_with_the_warning_of_a_load():
@@ -256,7 +256,7 @@ def test_a_soft_target_whose_push_leaves_the_travel_is_refused_as_at_a_load():
 
 
 @pytest.mark.parametrize(
-    ("wanted", "words"),
+    ("requested", "words"),
     [
         (["controller.law=bang"], "controller.law is 'bang'"),
         (["controller.gains.down_up.kp_a_per_rad=-1"], "greater than or equal to 0"),
@@ -271,25 +271,25 @@ def test_a_soft_target_whose_push_leaves_the_travel_is_refused_as_at_a_load():
         (["controller.gains.down_up.kp_a_per_rad=" + "9" * 5000], "digits"),
     ],
 )
-def test_what_may_not_be_is_refused_at_once_and_nothing_changes(wanted, words):
+def test_what_may_not_be_is_refused_at_once_and_nothing_changes(requested, words):
     cell = Cell(SWING).to_tick(40)
     before = cell.controller.params
-    accepted, reason, _ = cell.ask("parameters", set=wanted)
+    accepted, reason, _ = cell.ask("parameters", set=requested)
     assert not accepted and words in reason
     cell.sample(41)
     assert cell.controller.params == before and not cell.bus.of("controller/parameter_change")
 
 
 def test_without_an_experiment_outside_a_trial_and_in_lockstep_it_is_refused():
-    wanted = ["controller.law=pi"]
+    requested = ["controller.law=pi"]
     alone = Controller(FakeBus())
     answers = []
-    alone._serve(Request("parameters", {"set": wanted}, lambda *answer: answers.append(answer)))
+    alone._serve(Request("parameters", {"set": requested}, lambda *answer: answers.append(answer)))
     assert "no experiment is loaded" in answers[0][1]
     cell = Cell(SWING)
     cell.sample()
-    assert "no trial runs" in cell.ask("parameters", set=wanted)[1]
-    assert "lockstep" in Cell(SWING, "lockstep").to_tick(3).ask("parameters", set=wanted)[1]
+    assert "no trial runs" in cell.ask("parameters", set=requested)[1]
+    assert "lockstep" in Cell(SWING, "lockstep").to_tick(3).ask("parameters", set=requested)[1]
 
 
 def test_a_second_change_waits_for_the_first_and_one_that_the_trials_end_overtakes_is_refused():
@@ -302,7 +302,7 @@ def test_a_second_change_waits_for_the_first_and_one_that_the_trials_end_overtak
     assert not cell.bus.of("controller/parameter_change")
 
 
-def test_what_the_experiment_schedules_acts_at_its_tick_in_every_trial_and_is_told_as_such():
+def test_what_the_experiment_schedules_acts_at_its_tick_in_every_trial_and_is_published_as_such():
     changes = (ScheduledChange(0.09, ("controller.law=pi",)),)
     cell = Cell(SWING._replace(changes=changes), "lockstep")
     for _ in range(2):
@@ -313,7 +313,7 @@ def test_what_the_experiment_schedules_acts_at_its_tick_in_every_trial_and_is_to
         assert "lockstep" in cell.ask("parameters", set=["controller.law=morse"])[1]
         cell.sample()
         assert cell.controller.params.law == law_number("final")
-    assert [(told.tick, told.by_hand) for told in cell.bus.of("controller/parameter_change")] == [(20, 0), (20, 0)]
+    assert [(event.tick, event.by_hand) for event in cell.bus.of("controller/parameter_change")] == [(20, 0), (20, 0)]
     real = Cell(SWING._replace(changes=changes)).to_tick(3)
     assert "[[changes]]" in real.ask("parameters", set=["controller.law=morse"])[1]
 

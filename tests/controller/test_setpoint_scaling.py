@@ -51,8 +51,8 @@ def test_the_way_there_is_that_of_the_stiff_target_under_the_smaller_ramp():
 
     depths, _ = pressed(CONFIG, depth_m, ramp_s, 6.0)
     run = solve_ivp(slope, (0.0, 6.0), (0.0, 0.0), rtol=1e-9, atol=1e-12, max_step=0.01, dense_output=True)
-    wanted = run.sol(np.arange(1, len(depths) + 1) * DT_S)[0]
-    assert depths == pytest.approx(wanted, abs=0.01 * share * depth_m)  # the loop sees its force one sample late
+    expected = run.sol(np.arange(1, len(depths) + 1) * DT_S)[0]
+    assert depths == pytest.approx(expected, abs=0.01 * share * depth_m)  # the loop sees its force one sample late
 
 
 def test_without_contact_and_without_an_apparent_stiffness_there_is_no_offset():
@@ -85,7 +85,7 @@ def test_the_offset_of_the_way_in_is_given_back_on_the_way_out():
     assert state.offset_m == pytest.approx(0.0, abs=1e-15)
 
 
-def test_an_apparent_stiffness_near_that_of_the_target_withholds_next_to_nothing():
+def test_an_apparent_stiffness_near_that_of_the_target_takes_off_next_to_nothing():
     assert setpoint_scaling_params(CONFIG._replace(apparent_stiffness_n_per_m=STIFF)).share == 1.0
     assert setpoint_scaling_params(CONFIG).share == pytest.approx(1500.0 * 26231.0 / (20e3 * 7731.0))
 

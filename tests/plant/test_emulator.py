@@ -120,7 +120,7 @@ def test_the_noise_of_a_trial_is_that_of_its_ticks(scene):
 
 
 @pytest.mark.parametrize("kind", ["free", "plate", "crate"])
-def test_nothing_compiles_after_the_emulator_is_made(scene, kind):
+def test_nothing_compiles_after_the_emulator_is_created(scene, kind):
     timeline, emulator = scene
     compiled_for, held_for = list(emulator._advance.signatures), list(compiled_value.signatures)
     emulator.load(PlantConfig(environment=Environment(kind=kind), sample_period_substeps=20), 5, -100, 300, ())

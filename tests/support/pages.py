@@ -20,16 +20,16 @@ def name_of(page: Path) -> str:
 
 
 @cache
-def made() -> dict[str, str]:
-    """The pages that are made from the code, by their path on the site."""
+def generated() -> dict[str, str]:
+    """The pages that are generated from the code, by their path on the site."""
     return generate.generated()
 
 
 @cache
 def site() -> dict[str, str]:
-    """Every page of the site by its path there: those that are written, and those that are made from the code."""
+    """Every page of the site by its path there: those that are written, and those that are generated from the code."""
     written = {page.relative_to(DOCS).as_posix(): generate.on_site(page.read_text()) for page in DOCS.rglob("*.md")}
-    return written | made()
+    return written | generated()
 
 
 def without_code(text: str) -> str:

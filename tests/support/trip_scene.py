@@ -44,11 +44,11 @@ def stamped(message: Received) -> Received:
 
 def tripping(by: str, ticks: int = TRIP_TICK + 200, cause: TripCause = TripCause.FORCE_TARED) -> Iterator[Received]:
     """The trial: the supervisor trips at TRIP_TICK, or the gate cuts there and the supervisor a sample later."""
-    return iter(_made(by, ticks, cause))
+    return iter(_messages(by, ticks, cause))
 
 
 @cache
-def _made(by: str, ticks: int, cause: TripCause) -> tuple[Received, ...]:
+def _messages(by: str, ticks: int, cause: TripCause) -> tuple[Received, ...]:
     return tuple(_tripping(by, ticks, cause))
 
 

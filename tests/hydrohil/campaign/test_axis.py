@@ -65,7 +65,7 @@ def test_draws_of_two_axes_do_not_follow_each_other():
         (Axis(list=(1,), sets={"a": "import os"}), "no formula"),
     ],
 )
-def test_what_does_not_fit_together_is_told(axis: Axis, words: str):
+def test_what_does_not_fit_together_is_refused(axis: Axis, words: str):
     assert any(words in line for line in axis_problems(axis))
 
 

@@ -76,7 +76,7 @@ def test_a_name_that_nothing_has_leads_to_the_nearest():
         ),
     ],
 )
-def test_what_is_wrong_is_told_in_one_line_with_what_was_expected(changes: dict[str, Any], words: tuple[str, ...]):
+def test_what_is_wrong_is_reported_in_one_line_with_what_was_expected(changes: dict[str, Any], words: tuple[str, ...]):
     message = refused(**changes)
     assert all(any(word in line for line in message.splitlines()) for word in words), message
 

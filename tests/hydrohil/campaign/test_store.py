@@ -14,7 +14,7 @@ from hydrohil.campaign.trials import count, trial_of
 from tests.support.campaign_scene import plan
 
 
-def made_up(number: int) -> dict[str, Any]:
+def result_of(number: int) -> dict[str, Any]:
     trial = trial_of(plan().campaign, number)
     known = {"trial": number, "point": trial.point, "repeat": trial.repeat, "seed": trial.seed, **trial.parameters}
     return known | {"peak_n": 1.0 + number, "ended": "completed"}
@@ -28,8 +28,8 @@ def kept(folder: Path, **changes: Any) -> list[int]:
 @pytest.fixture
 def begun(tmp_path: Path) -> Path:
     with opened(plan(), tmp_path, fresh=False) as store:
-        store.keep([made_up(3), made_up(2)])
-        store.keep([made_up(0)])
+        store.keep([result_of(3), result_of(2)])
+        store.keep([result_of(0)])
     return tmp_path
 
 
@@ -46,7 +46,7 @@ def test_a_part_that_was_not_renamed_or_is_torn_is_not_there(begun: Path):
 
 def test_the_file_has_every_trial_in_order_and_the_parts_are_gone(begun: Path):
     with opened(plan(), begun, fresh=False) as store:
-        store.keep([made_up(number) for number in range(1, count(plan().campaign)) if number not in (2, 3)])
+        store.keep([result_of(number) for number in range(1, count(plan().campaign)) if number not in (2, 3)])
         table = store.finish()
     assert table.column("trial").to_pylist() == list(range(12))
     assert pq.read_table(begun / "tiny.parquet").equals(table)
@@ -57,7 +57,7 @@ def test_the_file_has_every_trial_in_order_and_the_parts_are_gone(begun: Path):
 
 
 @pytest.mark.parametrize("change", [{"seed": 6}, {"repeats": 3}, {"set": {"duration_s": 0.2}}])
-def test_another_campaign_is_refused_and_told_what_to_do_and_fresh_starts_anew(begun: Path, change: dict[str, Any]):
+def test_another_campaign_is_refused_with_what_to_do_and_fresh_starts_anew(begun: Path, change: dict[str, Any]):
     with pytest.raises(StoreError, match=r"--out.*--fresh"):
         kept(begun, **change)
     with opened(plan(**change), begun, fresh=True) as store:
@@ -99,13 +99,13 @@ def test_a_foreign_file_of_that_name_is_left_alone(tmp_path: Path):
     assert (tmp_path / "tiny.parquet").read_text() == "mine"
 
 
-def test_a_full_disk_is_told_and_leaves_the_parts(begun: Path, monkeypatch: pytest.MonkeyPatch):
+def test_a_full_disk_is_reported_and_leaves_the_parts(begun: Path, monkeypatch: pytest.MonkeyPatch):
     def full(_: int) -> None:
         raise OSError(28, "No space left on device")
 
     with opened(plan(), begun, fresh=False) as store:
         monkeypatch.setattr(os, "fsync", full)
         with pytest.raises(StoreError, match=r"No space left.*goes on"):
-            store.keep([made_up(1)])
+            store.keep([result_of(1)])
     monkeypatch.undo()
     assert kept(begun) == [0, 2, 3]

@@ -74,7 +74,7 @@ def test_the_printed_command_makes_the_same_experiment():
         ({"sweep": {"duration_s": {"list": [0.1, 0.05]}}}, "metrics.peak_n.end_s"),
     ],
 )
-def test_what_a_corner_refuses_is_told_before_anything_runs(changes: dict[str, Any], words: str):
+def test_what_a_corner_refuses_is_reported_before_anything_runs(changes: dict[str, Any], words: str):
     with pytest.raises(ExperimentError, match=words) as caught:
         validate(plan(**changes))
     assert "first at" in str(caught.value)

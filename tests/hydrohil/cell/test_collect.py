@@ -114,7 +114,7 @@ def trip(*messages: Received) -> str:
     return Collector(Network(list(messages))).trip(RUN)  # type: ignore[arg-type]
 
 
-def test_a_trip_is_told_by_the_permits_though_nobody_answers_requests():
+def test_a_trip_is_known_from_the_permits_though_nobody_answers_requests():
     assert trip(permit(TripCause.FORCE_TARED)).endswith("reached 340.0 N against its limit of 334.0 N (sample 91)")
     assert trip(permit(TripCause.ESTOP)) == "the operator pressed the emergency stop (sample 91)"
 
@@ -125,7 +125,7 @@ def test_neither_another_run_nor_a_supervisor_that_permits_is_a_trip():
     assert trip(permit(TripCause.FORCE_TARED, mode=Mode.RUNNING)) == ""
 
 
-def test_the_first_cut_of_the_run_is_told_with_its_numbers():
+def test_the_first_cut_of_the_run_is_named_with_its_numbers():
     stale = event(GateState.REVOKED, GateCause.COMMAND_STALE, measured=0.022, limit=0.02)
     assert trip(permit(TripCause.GATE_CUT), stale, event(GateState.REVOKED, GateCause.REVOKED_ARMING)) == (
         "the gate cut by itself: the command was 0.022 s old against a lease of 0.02 s (sample 90)"
@@ -146,7 +146,7 @@ def test_a_collector_that_is_closed_costs_no_later_trial_and_keeps_what_it_heard
     assert len(collector.trace(RUN, TICKS).tick) == TICKS
 
 
-def test_what_was_changed_by_hand_in_this_run_is_told_and_neither_the_scheduled_nor_another_run_s():
+def test_what_was_changed_by_hand_in_this_run_is_reported_and_neither_the_scheduled_nor_another_run_s():
     head = MESSAGES[-1].header
 
     def changed(number: int, by_hand: int, run: int) -> Received:
@@ -155,10 +155,10 @@ def test_what_was_changed_by_hand_in_this_run_is_told_and_neither_the_scheduled_
         )
         return Received(0, "controller/parameter_change", head._replace(run=run), event)
 
-    told = [changed(7, 1, RUN), changed(8, 0, RUN), changed(9, 1, RUN + 1)]
-    collector = Collector(Network([*MESSAGES, *told]))  # type: ignore[arg-type]
+    events = [changed(7, 1, RUN), changed(8, 0, RUN), changed(9, 1, RUN + 1)]
+    collector = Collector(Network([*MESSAGES, *events]))  # type: ignore[arg-type]
     words = ('changed by hand at sample 7: controller.law "final" -> "pi"',)
     assert collector.changed(RUN) == words
     assert collected().changed(RUN) == ()
-    assert remembered_changes({"controller": {"by_hand": [told[0].body._asdict()]}}) == words
+    assert remembered_changes({"controller": {"by_hand": [events[0].body._asdict()]}}) == words
     assert remembered_changes({"plant": {}}) == remembered_changes({"controller": {}}) == ()

@@ -1,4 +1,4 @@
-"""What `hydrohil estop` may say: it is confirmed by codes alone, never by silence or by half of what is known."""
+"""What `hydrohil estop` may say: only the codes of gate and converter confirm a stop."""
 
 import json
 
@@ -16,11 +16,11 @@ def answer(accepted=1, **values):
 
 
 @pytest.mark.parametrize(
-    "told",
+    "reply",
     [None, answer(0, dac_counts=ZERO, dac_readback=ZERO), answer(), answer(dac_counts=STUCK, dac_readback=ZERO)],
 )
-def test_without_the_gates_zero_nothing_is_confirmed(told):
-    confirmed, words = outcome(told)
+def test_without_the_gates_zero_nothing_is_confirmed(reply):
+    confirmed, words = outcome(reply)
     assert not confirmed and words.startswith("NOT CONFIRMED") and "cut the hydraulic supply" in words
 
 
@@ -37,14 +37,14 @@ def test_zero_at_gate_and_converter_is_confirmed():
 
 
 @pytest.mark.parametrize("values", [{"dac_readback": None}, {}])
-def test_where_nothing_can_be_read_back_the_operator_is_told_so(values):
+def test_where_nothing_can_be_read_back_the_report_says_so(values):
     confirmed, words = outcome(answer(dac_counts=ZERO, **values))
     assert confirmed and "cannot be read back" in words
 
 
-@pytest.mark.parametrize(("driven", "told"), [(None, False), (ZERO, False), (STUCK, True)])
-def test_a_status_tells_what_a_stuck_converter_drives(driven, told):
+@pytest.mark.parametrize(("driven", "named"), [(None, False), (ZERO, False), (STUCK, True)])
+def test_a_status_names_what_a_stuck_converter_drives(driven, named):
     found = {"number": 7, "gate": 0, "gate_cause": "ESTOP", "lease_ms": 20.0, "dac_counts": ZERO, "dac_readback": driven}
     words = plant_state(found)
     assert "shut: ESTOP" in words
-    assert ("2048, 2700, 2048" in words) == told
+    assert ("2048, 2700, 2048" in words) == named

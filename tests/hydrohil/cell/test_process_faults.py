@@ -7,7 +7,7 @@ from pathlib import Path
 
 import pytest
 
-from hydrohil.cell import process_faults as strikes
+from hydrohil.cell import process_faults
 from hydrohil.cell.process_faults import ProcessFaults, carry_out, inject_now, is_service
 from hydrohil.cell.processes import CellError, RefusedError
 from hydrohil.shared.contract.faults import Fault
@@ -23,16 +23,16 @@ class FakeBus:
 @pytest.fixture
 def process():
     """A process whose command line is that of a controller of this cell."""
-    made = subprocess.Popen([sys.executable, "-c", SLEEPER, "hydrohil.services.controller", "--cell", CELL])
-    until(lambda: is_service(made.pid, "controller", CELL))
-    yield made
-    made.kill()
-    made.wait()
+    child = subprocess.Popen([sys.executable, "-c", SLEEPER, "hydrohil.services.controller", "--cell", CELL])
+    until(lambda: is_service(child.pid, "controller", CELL))
+    yield child
+    child.kill()
+    child.wait()
 
 
 @pytest.fixture
 def bus(monkeypatch, process):
-    monkeypatch.setattr(strikes, "statuses", lambda bus, services: {"controller": {"pid": process.pid}})
+    monkeypatch.setattr(process_faults, "statuses", lambda bus, services: {"controller": {"pid": process.pid}})
     return FakeBus()
 
 
@@ -48,8 +48,8 @@ def state(process):
     return Path(f"/proc/{process.pid}/stat").read_text().rsplit(")", 1)[1].split()[0]
 
 
-def until_state(process, wanted):
-    until(lambda: state(process) in wanted)
+def until_state(process, states):
+    until(lambda: state(process) in states)
     return state(process)
 
 
@@ -91,28 +91,28 @@ def test_what_this_command_must_undo_needs_an_end(bus, fault):
 
 
 def test_a_trial_freezes_at_its_time_and_thaws_at_its_end(bus, process):
-    made = ProcessFaults(bus, (Fault("freeze", "controller", at_s=0.5),), 2.0)
-    made.at(0.499)
-    assert until_state(process, "SR") in "SR" and made.pending
-    made.at(0.501)
+    faults = ProcessFaults(bus, (Fault("freeze", "controller", at_s=0.5),), 2.0)
+    faults.at(0.499)
+    assert until_state(process, "SR") in "SR" and faults.pending
+    faults.at(0.501)
     assert until_state(process, "T") == "T"
-    made.end()
-    assert until_state(process, "SR") in "SR" and not made.pending
-    assert made.done == ["freeze controller: at 0.501 s", "freeze controller: ended after the trial"]
+    faults.end()
+    assert until_state(process, "SR") in "SR" and not faults.pending
+    assert faults.done == ["freeze controller: at 0.501 s", "freeze controller: ended after the trial"]
 
 
 def test_a_freeze_ends_by_the_wall_clock_while_the_trial_stands_still(bus, process):
-    made = ProcessFaults(bus, (Fault("freeze", "controller", lasts_s=0.05),), 2.0)
-    made.at(0.0)
+    faults = ProcessFaults(bus, (Fault("freeze", "controller", lasts_s=0.05),), 2.0)
+    faults.at(0.0)
     time.sleep(0.06)
-    made.at(0.0)
-    assert not made.pending and until_state(process, "SR") in "SR"
+    faults.at(0.0)
+    assert not faults.pending and until_state(process, "SR") in "SR"
 
 
 def test_what_never_came_to_pass_is_said(bus):
-    made = ProcessFaults(bus, (Fault("kill", "controller", at_s=9.0),), 10.0)
-    made.end()
-    assert made.done == ["kill controller: never, the trial ended before"]
+    faults = ProcessFaults(bus, (Fault("kill", "controller", at_s=9.0),), 10.0)
+    faults.end()
+    assert faults.done == ["kill controller: never, the trial ended before"]
 
 
 def test_a_hog_runs_as_long_as_it_is_asked_to(bus):

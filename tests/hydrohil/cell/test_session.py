@@ -16,7 +16,7 @@ PERIOD_NS = EXPERIMENT.plant.sample_period_substeps * SUBSTEP_NS
 
 
 class Cell:
-    """Services that take everything; the supervisor tells what its host is qualified for."""
+    """Services that take everything; the supervisor reports what its host is qualified for."""
 
     def __init__(self, qualified_period_ns):
         found = Qualified(
@@ -30,14 +30,14 @@ class Cell:
             wake_up_max_us=1.0,
             lease_ms=20.0,
         )
-        self.told = None if qualified_period_ns is None else found._asdict()
+        self.qualification = None if qualified_period_ns is None else found._asdict()
         self.asked = []
 
     def ask(self, _bus, service, verb, _timeout_s=3.0, **arguments):
         self.asked.append((service, verb, arguments))
         if verb == "status":
-            return {"mode": "DISARMED", "words": "", "qualification": self.told}
-        return {"digest": "00"} | ({"qualification": self.told} if service == "supervisor" else {})
+            return {"mode": "DISARMED", "words": "", "qualification": self.qualification}
+        return {"digest": "00"} | ({"qualification": self.qualification} if service == "supervisor" else {})
 
     @property
     def committed(self):
@@ -50,27 +50,29 @@ def load(cell, monkeypatch, clock="real", **options):
 
 
 @pytest.mark.parametrize("qualified_period_ns", [PERIOD_NS, PERIOD_NS - SUBSTEP_NS, None])
-def test_a_signed_rate_and_a_host_without_a_record_are_loaded(qualified_period_ns, monkeypatch):
+def test_a_qualified_rate_and_a_host_without_a_record_are_loaded(qualified_period_ns, monkeypatch):
     cell = Cell(qualified_period_ns)
     load(cell, monkeypatch)
     assert cell.committed == list(LOOP)
 
 
 @pytest.mark.parametrize("qualified_period_ns", [PERIOD_NS + SUBSTEP_NS, 0])
-def test_a_rate_just_above_the_signed_one_is_refused_and_nothing_is_committed(qualified_period_ns, monkeypatch):
+def test_a_rate_just_above_the_qualified_one_is_refused_and_nothing_is_committed(qualified_period_ns, monkeypatch):
     cell = Cell(qualified_period_ns)
     with pytest.raises(UnqualifiedError, match=r"222\.2 Hz.*hydrohil qualify.*--unqualified"):
         load(cell, monkeypatch)
     assert cell.committed == []
 
 
-def test_on_purpose_or_in_lockstep_it_is_loaded_and_the_supervisor_is_told_which(monkeypatch):
+def test_on_purpose_or_in_lockstep_it_is_loaded_and_the_supervisor_knows_which(monkeypatch):
     for options in ({"unqualified": True}, {"clock": "lockstep"}):
         cell = Cell(0)
         load(cell, monkeypatch, **options)
         assert cell.committed == list(LOOP)
-        told = [arguments["unqualified"] for service, verb, arguments in cell.asked if (service, verb) == ("supervisor", "load")]
-        assert told == [options.get("unqualified", False)]
+        unqualified = [
+            arguments["unqualified"] for service, verb, arguments in cell.asked if (service, verb) == ("supervisor", "load")
+        ]
+        assert unqualified == [options.get("unqualified", False)]
 
 
 def test_the_command_line_ends_with_2_and_one_line(monkeypatch):
@@ -78,5 +80,5 @@ def test_the_command_line_ends_with_2_and_one_line(monkeypatch):
         raise UnqualifiedError("too fast")
 
     monkeypatch.setattr(run, "run_live", refuse)
-    made = CliRunner().invoke(app, ["run", "fig-4-25"])
-    assert (made.exit_code, made.stderr.strip()) == (2, "too fast")
+    result = CliRunner().invoke(app, ["run", "fig-4-25"])
+    assert (result.exit_code, result.stderr.strip()) == (2, "too fast")

@@ -59,7 +59,7 @@ def test_once_there_and_no_more_is_an_onset_without_a_period():
     assert cycles.cycle_amplitude(trace, "q2") == 0.0
 
 
-def test_a_pause_is_told_amid_the_cycles_and_at_their_end():
+def test_a_pause_is_detected_amid_the_cycles_and_at_their_end():
     amid = square(5.0, 2.0, silent=((12.5, 20.9),))  # down at 11, the next up at 21
     assert cycles.pause_ratio(amid, "q2") == pytest.approx(10.0 / 2.0, rel=0.01)
     ended = square(5.0, 2.0, silent=((16.5, 41.0),))  # down at 15

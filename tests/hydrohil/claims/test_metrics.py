@@ -283,7 +283,7 @@ def test_ringing_after_a_spike_belongs_to_it():
         assert metrics.spikes(force(level), "force") == count
 
 
-def test_what_the_impedance_adds_is_told_from_how_well_it_is_followed():
+def test_what_the_impedance_adds_is_distinguished_from_how_well_it_is_followed():
     trace = standing(1.0)
     trace = trace._replace(x_set_m=link(np.full(len(trace.t_s), 0.02), 3), x_m=link(np.full(len(trace.t_s), -0.01), 3))
     assert metrics.max_modification(trace, "z") == pytest.approx(0.02)

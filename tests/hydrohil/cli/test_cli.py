@@ -46,8 +46,8 @@ def test_a_file_in_a_missing_folder_elsewhere_is_refused_and_one_in_the_working_
     monkeypatch.chdir(work)
     run = hydrohil("run", EXPERIMENT, "--clock", "local", "--json", str(tmp_path / "mistyped" / "report.json"))
     assert run.exit_code == 2 and "does not exist" in run.stderr and not (tmp_path / "mistyped").exists()
-    make_folders(Path("made") / "here" / "report.json")
-    assert (work / "made" / "here").is_dir()
+    make_folders(Path("new") / "here" / "report.json")
+    assert (work / "new" / "here").is_dir()
 
 
 def test_a_gain_in_the_units_of_the_thesis_is_warned_of_with_both_numbers():
@@ -114,11 +114,11 @@ def test_the_report_holds_every_claim_with_its_number(tmp_path: Path, monkeypatc
     monkeypatch.chdir(tmp_path)
     file = Path("new") / "r.json"
     hydrohil("run", EXPERIMENT, *LOCAL, "--seed", "3", "--json", str(file))
-    told = json.loads(file.read_text())
-    assert (told["experiment"], told["clock"], told["seed"], told["exit_status"]) == (EXPERIMENT, "local", 3, 0)
-    assert [claim["statement"] for claim in told["claims"]] == [claim.statement for claim in find(EXPERIMENT).claims]
-    assert all(isinstance(claim["measured"], float) and claim["holds"] for claim in told["claims"])
-    assert told["tripped"] is None and told["gap"] is None
+    document = json.loads(file.read_text())
+    assert (document["experiment"], document["clock"], document["seed"], document["exit_status"]) == (EXPERIMENT, "local", 3, 0)
+    assert [claim["statement"] for claim in document["claims"]] == [claim.statement for claim in find(EXPERIMENT).claims]
+    assert all(isinstance(claim["measured"], float) and claim["holds"] for claim in document["claims"])
+    assert document["tripped"] is None and document["gap"] is None
 
 
 def test_the_trace_holds_every_column_of_every_sample(tmp_path: Path):
@@ -186,12 +186,12 @@ READERS = ("run", "show", "linear", "tune", "campaign", "view", "trip")
 
 
 @pytest.mark.parametrize("command", READERS)
-@pytest.mark.parametrize("made", ["missing", "folder", "no text"])
-def test_a_file_that_cannot_be_read_is_named_in_one_line_and_ends_with_2(command: str, made: str, tmp_path: Path):
+@pytest.mark.parametrize("content", ["missing", "folder", "no text"])
+def test_a_file_that_cannot_be_read_is_named_in_one_line_and_ends_with_2(command: str, content: str, tmp_path: Path):
     file = tmp_path / "nope.toml"
-    if made == "folder":
+    if content == "folder":
         file.mkdir()
-    elif made == "no text":
+    elif content == "no text":
         file.write_bytes(b"\xff\xfe")
         if command == "view":
             file.chmod(0)
@@ -251,7 +251,7 @@ def test_down_without_up_says_so():
 
 
 @pytest.mark.parametrize("option", ["--json", "--trace"])
-def test_a_full_disk_and_a_folder_in_place_of_a_file_are_told_in_one_line_and_are_no_failed_claim(option: str, tmp_path: Path):
+def test_a_full_disk_and_a_folder_for_a_file_are_reported_in_one_line_and_are_no_failed_claim(option: str, tmp_path: Path):
     folder = hydrohil("run", EXPERIMENT, *LOCAL, option, str(tmp_path))
     (tmp_path / "full.npz").symlink_to("/dev/full")
     full = hydrohil("run", EXPERIMENT, *LOCAL, option, str(tmp_path / "full.npz"))

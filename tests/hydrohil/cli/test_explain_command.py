@@ -69,7 +69,7 @@ def test_facts_can_be_taken_away():
     assert json.loads(explain("--event", "arm,start", "--json").stdout)["gate"]["state"] == "OPEN"
 
 
-def test_a_cause_is_told_as_json_by_rule_and_condition():
+def test_a_cause_is_printed_as_json_by_rule_and_condition():
     (rule,) = json.loads(explain("FORCE_RAW", "--json").stdout)
     assert (rule["cause"], rule["by"]) == ("FORCE_RAW", "supervisor")
     assert "394" in rule["limit"] and rule["must_hold"] and "hydrohil recover" in rule["to_do"]

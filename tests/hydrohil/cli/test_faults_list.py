@@ -27,7 +27,7 @@ def test_every_fault_is_listed_and_nothing_is_written(tmp_path: Path):
     assert list(tmp_path.iterdir()) == []
 
 
-def test_a_row_tells_its_bound_and_how_it_is_tried():
+def test_a_row_shows_its_bound_and_how_it_is_tried():
     (row,) = json.loads(faults("33", "--json", "-").stdout)
     assert (row["number"], row["bound"]) == ("33", "T + one hop")
     assert [way["letter"] for way in row["ways"]] == ["W", "W", "W"] and all(way["tried"] for way in row["ways"])

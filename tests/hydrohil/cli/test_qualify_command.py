@@ -122,7 +122,7 @@ def test_what_was_not_measured_is_a_dash(qualify):
     result = qualify(lambda settings, period, report: Measured(Figures(4_500_000), GRANTED), "--rate-hz", "222.2")
     assert result.exit_code == 1
     assert (
-        not re.search(r"\bnan\b", result.stdout) and "- of 0 unanswered" in result.stdout and "no trial was made" in result.stdout
+        not re.search(r"\bnan\b", result.stdout) and "- of 0 unanswered" in result.stdout and "no trial was run" in result.stdout
     )
 
 

@@ -23,7 +23,7 @@ def report(verdicts: tuple[Verdict, ...] = (HOLDS,), trip: str = "", gap: str = 
 
 
 @pytest.mark.parametrize(
-    ("made", "status"),
+    ("run", "status"),
     [
         (report(), 0),
         (report(()), 0),
@@ -33,18 +33,18 @@ def report(verdicts: tuple[Verdict, ...] = (HOLDS,), trip: str = "", gap: str = 
         (report((FAILS,), trip="the raw force is above its limit", gap="command of tick 3 is missing"), 3),
     ],
 )
-def test_the_worst_of_it_decides_the_exit_status(made: Run, status: int):
-    assert made.exit_status == status
+def test_the_worst_of_it_decides_the_exit_status(run: Run, status: int):
+    assert run.exit_status == status
 
 
-def as_json(made: Run) -> dict:
-    return json.loads(json.dumps(made.report(), allow_nan=False))
+def as_json(run: Run) -> dict:
+    return json.loads(json.dumps(run.report(), allow_nan=False))
 
 
-def shown(made: Run) -> str:
+def shown(run: Run) -> str:
     console = Console(width=200, record=True, file=None, quiet=False)
     with console.capture() as capture:
-        show(console, made)
+        show(console, run)
     return capture.get()
 
 
@@ -63,8 +63,8 @@ def test_claims_are_shown_as_stated_measured_and_whether_they_hold():
 
 
 def test_without_numbers_the_latencies_are_dashes():
-    made = report()._replace(latencies={"samples": 7, "lateness_us": {}})
-    assert "7" in shown(made) and "-" in shown(made)
+    run = report()._replace(latencies={"samples": 7, "lateness_us": {}})
+    assert "7" in shown(run) and "-" in shown(run)
 
 
 def test_the_document_marks_what_fails():
@@ -73,26 +73,26 @@ def test_the_document_marks_what_fails():
 
 
 def test_a_number_that_is_none_is_null_in_json():
-    told = as_json(report((Verdict(EXPERIMENT.claims[0], math.nan, False),)))
-    assert told["claims"][0]["measured"] is None
-    assert (told["exit_status"], told["clock"], told["seed"]) == (1, "real", 4)
+    document = as_json(report((Verdict(EXPERIMENT.claims[0], math.nan, False),)))
+    assert document["claims"][0]["measured"] is None
+    assert (document["exit_status"], document["clock"], document["seed"]) == (1, "real", 4)
 
 
 def test_warnings_are_in_the_document_and_in_json():
     warned = report()._replace(warnings=("it must limit-cycle",))
-    told = as_json(warned)
-    assert told["warnings"] == ["it must limit-cycle"]
+    document = as_json(warned)
+    assert document["warnings"] == ["it must limit-cycle"]
     assert "**warning**: it must limit-cycle" in warned.to_markdown()
     assert "warning" not in report().to_markdown()
 
 
 def test_what_was_broken_on_purpose_is_said_everywhere():
     faults = (Fault("drop", "supply", 2.0, 1.0, 0.5), Fault("stuck", "force"))
-    made = report()._replace(experiment=EXPERIMENT._replace(faults=faults))
-    for text in (shown(made), made.to_markdown()):
+    run = report()._replace(experiment=EXPERIMENT._replace(faults=faults))
+    for text in (shown(run), run.to_markdown()):
         assert "drop supply 0.5 share at 2 s for 1 s" in text and "stuck force at 0 s to the end" in text
-    told = as_json(made)
-    assert told["faults"] == [fault._asdict() for fault in faults]
+    document = as_json(run)
+    assert document["faults"] == [fault._asdict() for fault in faults]
 
 
 def test_the_report_carries_how_the_host_is_qualified_or_that_it_is_not():
@@ -107,29 +107,29 @@ def test_the_report_carries_how_the_host_is_qualified_or_that_it_is_not():
         wake_up_max_us=12_000.0,
         lease_ms=36.0,
     )._asdict()
-    told = [as_json(made) for made in (report()._replace(qualification=found), report(), report()._replace(clock="local"))]
-    assert [one["qualification"] for one in told] == [found, None, None]
-    assert "qualified for 222.2 Hz, grade B (yesterday)" in told[0]["qualified"]
-    assert "not qualified" in told[1]["qualified"] and told[2]["qualified"] is None
+    document = [as_json(run) for run in (report()._replace(qualification=found), report(), report()._replace(clock="local"))]
+    assert [one["qualification"] for one in document] == [found, None, None]
+    assert "qualified for 222.2 Hz, grade B (yesterday)" in document[0]["qualified"]
+    assert "not qualified" in document[1]["qualified"] and document[2]["qualified"] is None
 
 
 def test_a_run_whose_parameters_were_changed_by_hand_has_no_verdict_whatever_its_claims_say():
     line = "changed by hand at sample 40: controller.law"
     for verdicts in ((HOLDS,), (FAILS,), ()):
-        made = report(verdicts)._replace(changed_by_hand=(line,))
-        assert made.exit_status == 5
-        assert f"NO VERDICT: {BY_HAND}" in shown(made) and line in shown(made)
-        assert BY_HAND in made.to_markdown() and line in made.to_markdown()
+        run = report(verdicts)._replace(changed_by_hand=(line,))
+        assert run.exit_status == 5
+        assert f"NO VERDICT: {BY_HAND}" in shown(run) and line in shown(run)
+        assert BY_HAND in run.to_markdown() and line in run.to_markdown()
     assert report((HOLDS,), trip="too much")._replace(changed_by_hand=(line,)).exit_status == 3
-    told = as_json(report()._replace(changed_by_hand=(line,)))
-    assert (told["changed_by_hand"], told["exit_status"], told["claims"][0]["holds"]) == ([line], 5, True)
+    document = as_json(report()._replace(changed_by_hand=(line,)))
+    assert (document["changed_by_hand"], document["exit_status"], document["claims"][0]["holds"]) == ([line], 5, True)
     assert BY_HAND not in shown(report()) and "by hand" not in report().to_markdown()
 
 
 def test_scheduled_changes_are_said_and_leave_the_verdict():
     changes = (ScheduledChange(2.5, ("controller.law=pi",)),)
-    made = report()._replace(experiment=EXPERIMENT._replace(changes=changes))
-    assert made.exit_status == 0
-    assert "at 2.5 s: controller.law=pi" in shown(made) and "at 2.5 s: controller.law=pi" in made.to_markdown()
-    told = as_json(made)
-    assert told["changes"] == [{"at_s": 2.5, "set": ["controller.law=pi"]}]
+    run = report()._replace(experiment=EXPERIMENT._replace(changes=changes))
+    assert run.exit_status == 0
+    assert "at 2.5 s: controller.law=pi" in shown(run) and "at 2.5 s: controller.law=pi" in run.to_markdown()
+    document = as_json(run)
+    assert document["changes"] == [{"at_s": 2.5, "set": ["controller.law=pi"]}]

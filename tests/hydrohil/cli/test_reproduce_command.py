@@ -27,31 +27,31 @@ def reproduce(*arguments: str) -> Result:
 
 
 @pytest.fixture(scope="module")
-def made(tmp_path_factory: pytest.TempPathFactory) -> SimpleNamespace:
+def reproduced(tmp_path_factory: pytest.TempPathFactory) -> SimpleNamespace:
     """One trial and one computed figure, with two seeds."""
     out = tmp_path_factory.mktemp("reproduced")
     run = reproduce("--only", TRIAL, COMPUTED, "--seeds", "2", "--workers", "1", "--out", str(out), "--json", str(out / "r.json"))
     assert run.exit_code in (0, 1), run.output
-    return SimpleNamespace(run=run, out=out, told=json.loads((out / "r.json").read_text()))
+    return SimpleNamespace(run=run, out=out, document=json.loads((out / "r.json").read_text()))
 
 
-def test_page_junit_and_json_are_written_and_nothing_else(made: SimpleNamespace):
-    assert sorted(path.name for path in made.out.iterdir()) == sorted([PAGE, JUNIT, "r.json"])
-    ElementTree.fromstring((made.out / PAGE).read_text())
-    assert made.told["exit_status"] == made.run.exit_code
+def test_page_junit_and_json_are_written_and_nothing_else(reproduced: SimpleNamespace):
+    assert sorted(path.name for path in reproduced.out.iterdir()) == sorted([PAGE, JUNIT, "r.json"])
+    ElementTree.fromstring((reproduced.out / PAGE).read_text())
+    assert reproduced.document["exit_status"] == reproduced.run.exit_code
 
 
-def test_all_three_tell_the_same_number_of_claims(made: SimpleNamespace):
-    xml = JUnitXml.fromfile(str(made.out / JUNIT))
-    assert xml.tests == made.told["claims"] and xml.tests - xml.failures == made.told["hold"]
-    assert f"{made.told['hold']} of {made.told['claims']} claims hold" in (made.out / PAGE).read_text()
-    assert f"{made.told['hold']} of {made.told['claims']} claims hold" in made.run.stdout
+def test_all_three_give_the_same_number_of_claims(reproduced: SimpleNamespace):
+    xml = JUnitXml.fromfile(str(reproduced.out / JUNIT))
+    assert xml.tests == reproduced.document["claims"] and xml.tests - xml.failures == reproduced.document["hold"]
+    assert f"{reproduced.document['hold']} of {reproduced.document['claims']} claims hold" in (reproduced.out / PAGE).read_text()
+    assert f"{reproduced.document['hold']} of {reproduced.document['claims']} claims hold" in reproduced.run.stdout
 
 
-def test_a_trial_is_judged_with_every_seed_and_a_computed_figure_once(made: SimpleNamespace):
-    seeds = {figure["name"]: {claim["seeds"] for claim in figure["claims"]} for figure in made.told["figures"]}
+def test_a_trial_is_judged_with_every_seed_and_a_computed_figure_once(reproduced: SimpleNamespace):
+    seeds = {figure["name"]: {claim["seeds"] for claim in figure["claims"]} for figure in reproduced.document["figures"]}
     assert seeds == {TRIAL: {2}, COMPUTED: {1}}
-    assert (made.out / PAGE).read_text().count("<svg") == 2
+    assert (reproduced.out / PAGE).read_text().count("<svg") == 2
 
 
 @pytest.mark.parametrize(
@@ -71,7 +71,7 @@ def test_wrong_usage_ends_with_2_and_says_what_is_expected(arguments: tuple[str,
     assert "Traceback" not in run.output
 
 
-def test_a_folder_that_cannot_be_made_ends_with_2_before_anything_is_played(tmp_path: Path):
+def test_a_folder_that_cannot_be_created_ends_with_2_before_anything_is_played(tmp_path: Path):
     (tmp_path / "file").write_text("")
     run = reproduce(TRIAL, "--out", str(tmp_path / "file" / "x"))
     assert run.exit_code == 2

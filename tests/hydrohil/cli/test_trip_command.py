@@ -107,8 +107,8 @@ def test_a_trip_on_the_local_clock_leaves_the_same_report(tmp_path: Path):
     (file,) = reports(TRIPS)
     document = read(file)
     assert document["sentence"] in run.stdout.replace("\n", "") and file.name in run.stdout
-    told = json.loads((tmp_path / "r.json").read_text())
-    assert told["trip"]["tick"] == document["tick"] and told["trip_report"] == str(file)
+    run_report = json.loads((tmp_path / "r.json").read_text())
+    assert run_report["trip"]["tick"] == document["tick"] and run_report["trip_report"] == str(file)
     assert document["cause"] == "FORCE_TARED" and document["measured"] > 50.0
     assert (document["cell"], document["experiment"]) == ("local", "fig-5-5")
     assert "experiment fig-5-5" in trip().stdout

@@ -20,7 +20,7 @@ def test_the_counts_are_those_of_the_report():
     assert (xml.tests, xml.failures, xml.errors) == (document.total.claims, document.total.fail, 0)
 
 
-def test_a_failure_tells_what_was_stated_and_measured_and_the_source():
+def test_a_failure_says_what_was_stated_and_measured_and_the_source():
     (case,) = cases(report(trial(18)))
     (failure,) = case.result
     assert isinstance(failure, Failure)

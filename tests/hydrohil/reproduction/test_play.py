@@ -50,7 +50,7 @@ def test_a_study_without_trials_brings_panels_and_verdicts():
     assert found.panels and found.verdicts
 
 
-def test_a_local_trial_is_played_to_its_end_and_a_trip_is_told_in_words():
+def test_a_local_trial_is_played_to_its_end_and_a_trip_is_reported_in_words():
     experiment = find(NAME)
     played = play(experiment, 0)
     assert played.counts and played.trace.t_s[-1] > experiment.duration_s - 0.1

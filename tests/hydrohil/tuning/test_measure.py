@@ -41,7 +41,7 @@ def test_a_sine_of_the_error_has_its_rms_as_ripple():
     assert ring.late == pytest.approx(ring.early, rel=0.05)
 
 
-def test_ringing_that_dies_away_is_told_from_ringing_that_grows():
+def test_ringing_that_dies_away_is_distinguished_from_ringing_that_grows():
     assert measure.lasting(ringing(-1.0), LEAST) < 1.0 < measure.lasting(ringing(1.0), LEAST)
 
 

@@ -61,9 +61,9 @@ def test_zero_current_is_exactly_zero_and_the_ends_are_those_of_the_channel_tabl
 
 
 def test_the_calibration_leaves_out_the_roll_encoder():
-    made = calibration(UNIMATE.encoders, UNIMATE.force)
+    found = calibration(UNIMATE.encoders, UNIMATE.force)
     used = [UNIMATE.encoders[i] for i in (0, 1, 2, 4)]
-    assert made.scale == tuple(channel.scale for channel in used)
-    assert made.offset == tuple(channel.offset for channel in used)
-    assert made.force_n_per_count == pytest.approx(20 / 66 * 9.8 / 2.2)
+    assert found.scale == tuple(channel.scale for channel in used)
+    assert found.offset == tuple(channel.offset for channel in used)
+    assert found.force_n_per_count == pytest.approx(20 / 66 * 9.8 / 2.2)
     assert UNIMATE.encoders[1].scale < 0.0  # counts fall as the link goes down

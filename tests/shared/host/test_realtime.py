@@ -100,5 +100,5 @@ except ValueError:
 
 
 @pytest.mark.parametrize("realtime", [True, False])
-def test_unhurried_work_gives_way_in_its_own_thread_alone_and_ends_as_it_began(realtime):
+def test_work_without_realtime_gives_way_in_its_own_thread_alone_and_ends_as_it_began(realtime):
     subprocess.run([sys.executable, "-c", WITHOUT_REALTIME.format(realtime=realtime)], check=True)
