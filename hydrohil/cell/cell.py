@@ -11,7 +11,7 @@ from hydrohil.cell.connection import attached_cell, found_or_own_cell, own_cell,
 from hydrohil.cell.processes import LOOP, Place, RefusedError, statuses
 from hydrohil.cell.run import run_in_cell
 from hydrohil.experiment.errors import ExperimentError
-from hydrohil.experiment.experiment import Experiment, validate
+from hydrohil.experiment.experiment import Experiment, checked_seed, validate
 from hydrohil.experiment.fault_lines import fault_of
 from hydrohil.experiment.run import Run
 from hydrohil.shared.contract.faults import Fault
@@ -122,7 +122,7 @@ class Cell:
         Raises ExperimentError; TrippedError where the cell had tripped before; UnqualifiedError; RefusedError where a service
         refuses the experiment; CellError where the run has no end, with `trip_report` if a trip was the reason.
         """
-        experiment = validate(experiment)
+        experiment, seed = validate(experiment), checked_seed(seed)
         if clock not in CLOCKS:
             raise ExperimentError([f"clock is {clock!r}: expected {' or '.join(CLOCKS)}; `simulate` has the local clock"])
         if unplayable := injection.unplayable(experiment.faults, clock):

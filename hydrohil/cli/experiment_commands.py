@@ -71,6 +71,8 @@ def show(
     Examples: `hydrohil show fig-4-25`, `hydrohil show fig-4-25 --toml > mine.toml; hydrohil run mine.toml`,
     `hydrohil show fig-5-5 --json`, `hydrohil show fig-5-5 --schema`
     """
+    from rich.markup import escape
+
     from hydrohil.claims.claims import band
     from hydrohil.experiment.commented import commented_toml
     from hydrohil.experiment.experiment import to_plain, warnings
@@ -85,10 +87,11 @@ def show(
     if as_json or as_schema:
         print(json.dumps(experiment_schema() if as_schema else to_plain(experiment), indent=2))
         return
-    console.print(f"[bold]{experiment.name}[/] ({experiment.alias}): {experiment.title}\n{experiment.source}", highlight=False)
+    title, source = escape(experiment.title), escape(experiment.source)
+    console.print(f"[bold]{experiment.name}[/] ({experiment.alias}): {title}\n{source}", highlight=False)
     console.print(f"{experiment.duration_s:g} s, law {experiment.controller.law}, target {experiment.controller.target}")
     for line in warnings(experiment):
-        console.print(f"[yellow]warning[/]: {line}", highlight=False, soft_wrap=True)
+        console.print(f"[yellow]warning[/]: {escape(line)}", highlight=False, soft_wrap=True)
     for claim in experiment.claims:
         console.print(f"  {claim.statement}: {claim.metric} of {claim.channel} {band(claim)}  [{claim.source}]", markup=False)
 

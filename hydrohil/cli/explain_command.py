@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING, Annotated
 
 import typer
 
-from hydrohil.cli.options import CONFIDENCE, AsJson, app, console, errors, fail
+from hydrohil.cli.options import CONFIDENCE, AsJson, app, console, errors, fail, printable
 from hydrohil.shared.exit_status import EXIT_USAGE
 
 if TYPE_CHECKING:
@@ -85,7 +85,7 @@ def _converse() -> None:
         except UnknownNameError as error:
             if not interactive:
                 raise
-            errors.print(str(error), style="red")
+            errors.print(printable(str(error)), style="red", markup=False)
 
 
 def _show_help() -> None:

@@ -6,6 +6,7 @@ from collections.abc import Iterator
 from contextlib import contextmanager
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated
+from unicodedata import category
 
 import typer
 from rich.console import Console
@@ -29,6 +30,7 @@ EXPERIMENTS, RUNNING_CELL, STUDIES = "Experiments", "A cell that runs", "Studies
 CONFIDENCE, SERVICES = "Host, faults, causes", "Services, one process each"
 
 console = Console(width=None if sys.stdout.isatty() else 120)
+_NO_PRINT = ("Cc", "Cf", "Cs", "Zl", "Zp")  # control, direction and line characters: a terminal obeys them
 errors = Console(stderr=True, highlight=False, soft_wrap=True)
 
 CellName = Annotated[str, typer.Option("--cell", help="Name of the cell.")]
@@ -56,8 +58,13 @@ AsJson = Annotated[bool, typer.Option("--json", help="Print JSON.")]
 
 def fail(message: object, status: int) -> typer.Exit:
     """One line on stderr; raise what is returned."""
-    errors.print(str(message), style="red", markup=False)
+    errors.print(printable(str(message)), style="red", markup=False)
     return typer.Exit(status)
+
+
+def printable(text: str) -> str:
+    """`text` with an escape such as `\\x1b` for each character that a terminal would obey; lines stay lines."""
+    return "".join(ascii(letter)[1:-1] if category(letter) in _NO_PRINT and letter not in "\n\t" else letter for letter in text)
 
 
 def place_of(cell: str, port: int, hosts: str, router: str) -> "Place":

@@ -3,6 +3,7 @@
 from typing import Any
 
 from rich.console import Console
+from rich.markup import escape
 from rich.table import Table
 
 from hydrohil.claims.claims import Verdict, band, quantity
@@ -15,14 +16,14 @@ from hydrohil.shared.trips.report import Document
 def show(console: Console, run: Run) -> None:
     """The tables."""
     experiment = run.experiment
-    console.print(f"[bold]{experiment.name}[/] ({experiment.alias}): {experiment.title}", highlight=False)
+    console.print(f"[bold]{experiment.name}[/] ({experiment.alias}): {escape(experiment.title)}", highlight=False)
     console.print(
         f"clock {run.clock}, seed {run.seed}, {experiment.duration_s:g} s in {run.wall_s:.2f} s "
         f"({experiment.duration_s / run.wall_s:.3g} times real time)",
         highlight=False,
     )
     for fault in experiment.faults:
-        console.print(f"[yellow]broken on purpose[/]: {words(fault)}", highlight=False)
+        console.print(f"[yellow]broken on purpose[/]: {escape(words(fault))}", highlight=False)
     for line in run.process_faults:
         console.print(f"process fault: {line}", highlight=False, markup=False)
     for change in experiment.changes:
@@ -35,16 +36,17 @@ def show(console: Console, run: Run) -> None:
     if run.latencies:
         console.print(latency_table(run.latencies))
     if run.recording:
-        console.print(f"recording: {run.recording}  (hydrohil view {run.recording})", highlight=False, soft_wrap=True)
+        line = f"recording: {run.recording}  (hydrohil view {run.recording})"
+        console.print(line, highlight=False, soft_wrap=True, markup=False)
 
 
 def _show_ending(console: Console, run: Run) -> None:
     if run.trip:
-        console.print(f"[red bold]TRIPPED[/]: {run.trip}", highlight=False)
+        console.print(f"[red bold]TRIPPED[/]: {escape(run.trip)}", highlight=False)
     if run.trip_report is not None:
         show_trip(console, run.trip_report, run.trip_file)
     if run.gap:
-        console.print(f"[red bold]NO VERDICT[/]: {run.gap}; every tick is needed", highlight=False)
+        console.print(f"[red bold]NO VERDICT[/]: {escape(run.gap)}; every tick is needed", highlight=False)
     if run.changed_by_hand:
         console.print(f"[red bold]NO VERDICT[/]: {BY_HAND}", highlight=False)
 
@@ -54,7 +56,7 @@ def show_trip(console: Console, document: Document, file: str) -> None:
     for line in formatting.lines(document):
         console.print(line, highlight=False, soft_wrap=True, markup=False)
     if file:
-        console.print(f"trip report: {file}  (hydrohil trip {file})", highlight=False, soft_wrap=True)
+        console.print(f"trip report: {file}  (hydrohil trip {file})", highlight=False, soft_wrap=True, markup=False)
 
 
 def claims_table(verdicts: tuple[Verdict, ...]) -> Table:
@@ -64,7 +66,8 @@ def claims_table(verdicts: tuple[Verdict, ...]) -> Table:
         table.add_column(column, overflow="fold")
     for verdict in verdicts:
         mark = "[green]yes[/]" if verdict.holds else "[red]NO[/]"
-        table.add_row(verdict.claim.statement, band(verdict.claim), quantity(verdict.measured, verdict.claim.unit, 3), mark)
+        claim = verdict.claim
+        table.add_row(escape(claim.statement), band(claim), quantity(verdict.measured, claim.unit, 3), mark)
     return table
 
 

@@ -3,6 +3,7 @@
 import hashlib
 import json
 from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
+from numbers import Integral
 from typing import Annotated, Any, NamedTuple
 
 import tomli_w
@@ -12,14 +13,16 @@ from pydantic import ConfigDict, StringConstraints, TypeAdapter, ValidationError
 from hydrohil.claims.claims import Claim, problems
 from hydrohil.experiment.errors import ExperimentError, from_validation
 from hydrohil.experiment.fault_lines import fault_of
+from hydrohil.experiment.plain_data import DEEPEST, too_deep, unprintable
 from hydrohil.experiment.unusual import unusual
 from hydrohil.services.controller.checks import check
 from hydrohil.services.controller.config import Changes, ControllerConfig, Reference
 from hydrohil.services.controller.contact_environment import ContactEnvironment, contact_environment
 from hydrohil.services.controller.parameter_schedule import scheduled
 from hydrohil.services.controller.preflight import preflight
-from hydrohil.services.plant.config import PlantConfig, latch_substeps, trial_ticks
+from hydrohil.services.plant.config import GateLimits, PlantConfig, latch_substeps, trial_ticks
 from hydrohil.services.plant.params import contact_params
+from hydrohil.services.plant.plant_description import describe
 from hydrohil.services.supervisor.config import SupervisorConfig
 from hydrohil.shared.contract.assignments import put
 from hydrohil.shared.contract.configured_machine import geometry
@@ -29,6 +32,7 @@ from hydrohil.shared.units import SUBSTEP_NS
 
 Name = Annotated[str, StringConstraints(pattern=r"^[a-z0-9]+(-[a-z0-9]+)*$")]
 MAX_DURATION_S = 3600.0
+SEEDS = 1 << 64
 _FREELY_CHOSEN = ("plant.environment.", "controller.impedance.mass_kg")
 
 
@@ -58,6 +62,8 @@ class Experiment(NamedTuple):
         Paths, units and bounds are those of `hydrohil run --set`; an element of a list is named by its index or, in a list of
         three, by its link. Raises ExperimentError, a line for each path or value that cannot be; `where` names the origin in it.
         """
+        if not isinstance(values, Mapping) or not all(isinstance(path, str) for path in values):
+            raise ExperimentError([f'{where}: expected a dict of values by their paths, such as {{"controller.law": "pi"}}'])
         return assigned(self, values.items(), where)
 
     def with_faults(self, *faults: Fault | str, where: str = "with_faults") -> "Experiment":
@@ -80,6 +86,8 @@ _ADAPTER: TypeAdapter[Experiment] = TypeAdapter(Experiment, config=ConfigDict(al
 
 def from_plain(plain: Any, where: str) -> Experiment:
     """Validate plain data strictly: no text becomes a number. Raises ExperimentError; `where` names the origin."""
+    if too_deep(plain):
+        raise ExperimentError([f"{where}: tables and lists are nested more than {DEEPEST} deep: write them flat"])
     try:
         data = json.dumps(as_fields(plain, Experiment))
     except TypeError as reason:
@@ -119,7 +127,16 @@ def validate(experiment: Experiment) -> Experiment:
 
     Raises ExperimentError with one line a problem: where, value, unit, what was expected, what to do.
     """
+    if not isinstance(experiment, Experiment):
+        raise ExperimentError([f'expected an experiment, such as load("fig-5-5"), not {type(experiment).__name__}'])
     return from_plain(to_plain(experiment), experiment.name if isinstance(experiment.name, str) else "experiment")
+
+
+def checked_seed(seed: Any) -> int:
+    """The seed as an int, if it can be one. Raises ExperimentError."""
+    if isinstance(seed, Integral) and not isinstance(seed, bool) and 0 <= int(seed) < SEEDS:
+        return int(seed)
+    raise ExperimentError([f"seed is {seed!r:.40}: expected a whole number from 0 to {SEEDS - 1}"])
 
 
 def checked(experiment: Experiment, where: str, written_faults: Sequence[Any] | None = None) -> Experiment:
@@ -141,6 +158,7 @@ def checked(experiment: Experiment, where: str, written_faults: Sequence[Any] | 
         for number, change in enumerate(experiment.changes)
         if not change.at_s < experiment.duration_s
     ]
+    found += [f"{where}: {reason}" for reason in unprintable(to_plain(experiment))]
     found += [f"{where}: {reason}" for reason in _section_problems(experiment)]
     if found:
         raise ExperimentError(found)
@@ -154,6 +172,7 @@ def _section_problems(experiment: Experiment) -> list[str]:
     checks: tuple[Callable[[], object], ...] = (
         lambda: latch_substeps(plant),
         lambda: contact_params(plant.environment),
+        lambda: describe(plant, GateLimits()),
         lambda: _check_controllers(experiment, (experiment.controller,), met),
         lambda: _check_controllers(experiment, _acting(experiment)[1:], met),
     )

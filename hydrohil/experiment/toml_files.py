@@ -1,5 +1,6 @@
 """Experiments in TOML files. A short one names its `base`, an experiment that ships or another file, and says what differs."""
 
+import os
 import tomllib
 from collections.abc import Callable
 from pathlib import Path
@@ -22,10 +23,10 @@ _DEFAULTS = {
 def table_of(path: Path) -> dict[str, Any]:
     """What the TOML file at `path` says. Raises ExperimentError with one line where it cannot be read or is no TOML."""
     try:
-        return tomllib.loads(path.read_text(encoding="utf-8"))
+        return tomllib.loads(path.read_text(encoding="utf-8-sig"))  # editors of Windows begin a file with a byte-order mark
     except (OSError, UnicodeDecodeError) as reason:
         raise unreadable(path, reason) from None
-    except (tomllib.TOMLDecodeError, RecursionError) as reason:
+    except (ValueError, RecursionError) as reason:  # ValueError: also an integer of more digits than Python reads
         raise ExperimentError([f"{path}: is no TOML: {reason}; correct the syntax there"]) from None
 
 
@@ -44,7 +45,7 @@ def _read(path: Path, find: Callable[[str], Experiment], above: tuple[Path, ...]
     if base is None:
         under, title = _DEFAULTS, ""
     else:
-        found = _base(base, path, find, (*above, path.resolve()))
+        found = _base(base, path, find, (*above, _real(path)))
         under = {key: value for key, value in to_plain(found).items() if key not in _OWN}
         title = found.name
     return from_plain(merged(under, named(plain, path, title)), str(path))
@@ -61,6 +62,13 @@ def _base(base: Any, path: Path, find: Callable[[str], Experiment], above: tuple
         except ExperimentError as unknown:
             raise ExperimentError(f"{path}: base: {line}" for line in unknown.problems) from None
     file = path.parent / base
-    if file.resolve() in above or len(above) > _DEEPEST:
+    if _real(file) in above:
         raise ExperimentError([f"{path}: base {base} leads back to this file: name an experiment that stands on its own"])
+    if len(above) > _DEEPEST:
+        raise ExperimentError([f"{path}: base {base} is more than {_DEEPEST} files deep: name one that stands on its own"])
     return _read(file, find, above)
+
+
+def _real(path: Path) -> Path:
+    """The file that `path` leads to; a link that leads to itself is found when it is read."""
+    return Path(os.path.realpath(path))

@@ -30,7 +30,7 @@ def explain(cause: str) -> tuple[Explanation, ...]:
 
     Case and dashes of the name do not matter. Raises UnknownNameError, which gives the nearest name.
     """
-    trip, cut = find_cause(cause)
+    trip, cut = find_cause(str(cause))
     found = []
     if trip is not None:
         found.append(_explanation("supervisor", trip.name, default_limit(trip), TRIPS.get(trip)))

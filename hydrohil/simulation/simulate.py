@@ -2,7 +2,7 @@
 
 import time
 
-from hydrohil.experiment.experiment import Experiment, validate, warnings
+from hydrohil.experiment.experiment import Experiment, checked_seed, validate, warnings
 from hydrohil.experiment.run import Run, verdicts_of
 from hydrohil.shared.contract.messages import Mode
 from hydrohil.shared.trips.causes import trip_words
@@ -17,7 +17,7 @@ def simulate(experiment: Experiment, seed: int = 0) -> Run:
     in a cell gives the same numbers. The first call after a change of the sources compiles, some ten seconds.
     Raises ExperimentError where the experiment cannot run, or has faults that only a cell can play (processes, transport).
     """
-    experiment, began = validate(experiment), time.perf_counter()
+    experiment, seed, began = validate(experiment), checked_seed(seed), time.perf_counter()
     outcome = play_local(experiment, seed)
     ended, trace = outcome.supervisor, trace_of(outcome)
     tripped = ended.mode == Mode.TRIPPED

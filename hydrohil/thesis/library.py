@@ -51,5 +51,7 @@ def load(name: str | Path) -> Experiment:
     Raises ExperimentError: with the nearest names where nothing is called so, with one line a problem where the file is no
     experiment. `catalogue` lists what ships.
     """
+    if not isinstance(name, str | Path):
+        raise ExperimentError([f'expected a name such as "fig-5-5", or a TOML file, not {type(name).__name__}'])
     is_file = isinstance(name, Path) or name.endswith(".toml") or os.sep in name
     return from_toml(Path(name), find) if is_file else find(str(name))
