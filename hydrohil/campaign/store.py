@@ -71,7 +71,7 @@ class Store(NamedTuple):
         _whole(self.parts / f"{rows[0]['trial']:012d}.arrow", write)
 
     def finish(self) -> pa.Table:
-        """One file of all parts, in the order of the trials; then the parts go."""
+        """Write one file of all parts, in the order of the trials, then delete the parts."""
         whole = self.kept().sort_by("trial").combine_chunks()
         _whole(self.final, lambda path: pq.write_table(whole, path, compression="zstd"))
         shutil.rmtree(self.parts)
@@ -79,7 +79,7 @@ class Store(NamedTuple):
 
 
 def _whole(path: Path, write: Callable[[Path], None]) -> None:
-    """`path` is there whole or not at all, also after a crash of the machine. Raises StoreError."""
+    """Write `path` whole or not at all, also through a crash of the machine. Raises StoreError."""
     part = path.with_name(f".{path.name}.new")
     try:
         write(part)

@@ -25,7 +25,7 @@ CLOCKS: tuple[Clock, ...] = ("lockstep", "real")
 
 
 def _ignore(_: object) -> None:
-    """Nobody asked for progress or notes."""
+    """Ignore progress and notes: the default of both callbacks."""
 
 
 class Cell:
@@ -55,7 +55,7 @@ class Cell:
 
     @classmethod
     def attach(cls, name: str = DEFAULT_CELL, port: int = DEFAULT_PORT, *, hosts: str = "", router: str = "") -> Self:
-        """A cell that is up, by whoever started it; `hosts` and `router` are those of `hydrohil run`.
+        """A cell that is up, whichever program started it; `hosts` and `router` are those of `hydrohil run`.
 
         `close()` leaves its processes alone. Raises ValueError where `hosts` or `router` cannot be read; whether anybody
         answers shows with the first request.
@@ -181,7 +181,7 @@ class Cell:
         operate.stop(self.bus)
 
     def reset(self) -> None:
-        """Leave TRIPPED; never moves anything. Raises RefusedError while the cause stands."""
+        """Leave TRIPPED; no valve moves. Raises RefusedError while the cause stands."""
         operate.reset(self.bus)
 
     def recover(self, seconds: float = 2.0) -> str:

@@ -55,7 +55,7 @@ class Collector:
         self._taken: dict[str, list[Received]] = {}
 
     def close(self) -> None:
-        """Let go of the topics: whoever plays many trials must not pay for those before. What was heard stays."""
+        """Unsubscribe, so that later trials in the same program cost no more. What was received stays."""
         for inbox in (*self._loop, *self._others):
             self._bus.unsubscribe(inbox)
 
@@ -76,7 +76,7 @@ class Collector:
         return tuple(change_words(event) for event in events if event.by_hand)
 
     def report(self, cell: str) -> Document | None:
-        """The trip that was heard of, with everything around it; None if there was none."""
+        """The report of the trip that was received, with the messages around it; None if there was none."""
         ring, every = TripRing(), [*self._loop, *self._others]
         for message in sorted((m for inbox in every for m in self._messages(inbox)), key=lambda m: m.arrival_ns):
             ring.take(message)

@@ -1,4 +1,4 @@
-"""What an operator may believe after an emergency stop: the gate's word, and the converter's own where it can be read back."""
+"""Whether an emergency stop is confirmed: by the gate's codes, and by the converter's own where they can be read back."""
 
 import json
 
@@ -11,7 +11,7 @@ _THEN = "`hydrohil reset` when the cause is gone"
 
 
 def outcome(answer: Answer | None) -> tuple[bool, str]:
-    """Whether the plant has confirmed zero current, and one line to the operator; silence confirms nothing."""
+    """Whether the plant has confirmed zero current, and one line to the operator; without an answer nothing is confirmed."""
     values = json.loads(answer.values) if answer is not None and answer.accepted else {}
     if values.get("dac_counts") != _ZERO:
         return False, f"NOT CONFIRMED: the plant has not reported zero current; {_CUT}"

@@ -1,4 +1,4 @@
-"""Who plays a fault: the plant its emulated machine, a receiver its ways, the operator processes.
+"""Sends each fault to what plays it: the plant for the machine, receivers for the transport, the operator for processes.
 
 One table says which groups an operator, or a trial, may ask for.
 """
@@ -21,7 +21,7 @@ def by_plant(bus: Bus, fault: Fault) -> str:
 
 
 def by_receivers(bus: Bus, fault: Fault) -> str:
-    """Ask every service at the end of a path to mistreat what comes to it; a cut has two. Raises CellError."""
+    """Ask every service at the end of a path to impair what it receives; a partition has two ends. Raises CellError."""
     receivers = [path.partition(">")[2] for path in paths_of(fault)]
     numbers = [ask(bus, receiver, "inject", fault=fault._asdict())["number"] for receiver in receivers]
     return f"begins at sample {max(numbers)}"

@@ -35,7 +35,7 @@ def stop(bus: Bus) -> None:
 
 
 def reset(bus: Bus) -> None:
-    """Leave TRIPPED; never moves anything. Raises RefusedError while the cause stands, CellError."""
+    """Leave TRIPPED; no valve moves. Raises RefusedError while the cause stands, CellError."""
     ask(bus, "plant", "reset")
     time.sleep(_SAMPLES_S)
     ask(bus, "supervisor", "reset")

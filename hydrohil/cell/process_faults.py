@@ -25,7 +25,7 @@ Undo = Callable[[], None]
 
 
 def pids(bus: Bus) -> dict[str, int]:
-    """Process numbers of this cell's services, by their own word."""
+    """Process numbers of this cell's services, from their status."""
     return {service: int(found["pid"]) for service, found in statuses(bus, PROCESSES).items() if "pid" in found}
 
 
@@ -150,7 +150,7 @@ def _thaw(bus: Bus, fault: Fault, known: dict[str, int]) -> None:
 
 
 def _hog(count: int) -> Undo:
-    """Processes that never rest; they end with this one, however it ends."""
+    """Busy processes that load the host; they end with this one, however it ends."""
     started = [subprocess.Popen([*python_program(_BUSY), str(os.getpid())]) for _ in range(count)]
 
     def end() -> None:

@@ -70,7 +70,7 @@ class Place(NamedTuple):
         return ["--cell", self.cell, "--port", str(self.port), *self.network.words]
 
     def elsewhere(self, services: Iterable[str]) -> list[str]:
-        """Those of `services` whose address is none of this machine's; behind a router nobody has one."""
+        """Those of `services` whose address is none of this machine's; behind a router no service has an address."""
         if self.network.router:
             return []
         return [service for service in services if not _on_this_machine(self.network.host(service))]
@@ -82,7 +82,7 @@ class Place(NamedTuple):
 
 
 def _on_this_machine(address: str) -> bool:
-    """Whether one can listen there."""
+    """Whether a socket can listen on this address."""
     with socket.socket() as probe:
         try:
             probe.bind((address, 0))
@@ -177,7 +177,7 @@ def operator_bus(place: Place) -> Iterator[Bus]:
 
 
 def ask(bus: Bus, service: str, verb: str, timeout_s: float = 3.0, **arguments: Any) -> dict[str, Any]:
-    """The values of an accepted request; raises CellError with the service's reason, or if nobody answers."""
+    """The values of an accepted request; raises CellError with the service's reason, or if no answer comes."""
     answer: Answer | None = bus.ask(service, verb, arguments, timeout_s)
     if answer is None:
         raise CellError(f"the {service} does not answer: start it (`hydrohil {service}`) or see `hydrohil status`")
@@ -200,7 +200,7 @@ def statuses(bus: Bus, services: Iterable[str] = SERVICES, timeout_s: float = 1.
 def await_ready(
     place: Place, bus: Bus, started: Processes | None = None, timeout_s: float = _READY_S
 ) -> dict[str, dict[str, Any]]:
-    """Until plant, controller and supervisor are ready; raises CellError naming who is not, or who has died."""
+    """Wait until plant, controller and supervisor are ready; raises CellError naming each service that is not, or has died."""
     deadline = time.monotonic() + timeout_s
     found: dict[str, dict[str, Any]] = {}
     while time.monotonic() < deadline:

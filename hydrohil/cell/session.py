@@ -110,7 +110,7 @@ class Silence:
     """When each service was last heard of, by the sample that its newest message names."""
 
     def __init__(self) -> None:
-        """Everyone was heard of just now."""
+        """Every service counts as heard of just now."""
         self._numbers = dict.fromkeys(LOOP, NO_COMMAND)
         self._heard = dict.fromkeys(LOOP, time.monotonic())
 
@@ -121,14 +121,14 @@ class Silence:
                 self._numbers[service], self._heard[service] = message.header.echo_number, time.monotonic()
 
     def of(self) -> list[str]:
-        """Who has fallen silent; where all have, those who did not answer the plant's last sample."""
+        """The services that have fallen silent; where all have, those that did not answer the plant's last sample."""
         now = time.monotonic()
         silent = [service for service in LOOP if now - self._heard[service] > _SILENCE_S]
         return [service for service in silent if self._numbers[service] < self._numbers["plant"]] or silent
 
 
 def watch(collector: Collector, experiment: Experiment, progress: Progress, poll_s: float = _WATCH_S) -> None:
-    """Until the supervisor ends or trips the trial; `progress` gets the seconds of the trial. CellError on silence."""
+    """Wait until the supervisor ends or trips the trial; `progress` gets the seconds of the trial. CellError on silence."""
     began, silence = False, Silence()
     while True:
         time.sleep(poll_s)
@@ -154,7 +154,7 @@ def run_live(bus: Bus, experiment: Experiment, seed: int, clock: str, progress: 
 
 
 def _play(bus: Bus, experiment: Experiment, collector: Collector, process_faults: ProcessFaults, progress: Progress) -> None:
-    """What is loaded, from its arming to its end. Raises CellError."""
+    """Play the loaded experiment, from arming to its end. Raises CellError."""
 
     def observe(trial_s: float) -> None:
         process_faults.at(trial_s)
@@ -169,7 +169,7 @@ def _play(bus: Bus, experiment: Experiment, collector: Collector, process_faults
         ended = CellError("; ".join((str(error), *process_faults.done)))
         ended.trip_report = collector.report(bus.identity.cell)
         raise ended from error
-    except BaseException:  # Ctrl-C, or what the caller's `progress` raises: the rig is disarmed all the same
+    except BaseException:  # Ctrl-C, or an exception of the caller's `progress`: the rig is disarmed in every case
         bus.ask("supervisor", "stop", {}, 1.0)
         raise
     finally:

@@ -167,7 +167,7 @@ def view(recording: Annotated[Path | None, typer.Argument(help="A .rrd file; def
     package = importlib.util.find_spec("rerun_cli")
     if package is None or package.origin is None:
         raise fail("the Rerun viewer is not installed: `make install`", EXIT_USAGE)
-    viewer = Path(package.origin).with_name("rerun")  # itself: a signal to the script of that name would leave it behind
+    viewer = Path(package.origin).with_name("rerun")  # not the script of that name, which leaves the viewer behind at a signal
     os.execv(viewer, [str(viewer), *map(str, parts_of(chosen))])
 
 

@@ -64,7 +64,7 @@ def _listed(text: str) -> list[str]:
 
 
 def _converse() -> None:
-    """Lines until the end of the input; from a pipe, a line that means nothing ends it."""
+    """Obey lines until the end of the input; from a pipe, a line that cannot be read ends it."""
     from hydrohil.explanation.walk import Scene
     from hydrohil.shared.errors import UnknownNameError
 

@@ -102,7 +102,7 @@ def _finish(report: "Report", json_file: Path | None, html: Path, junit_file: Pa
     from hydrohil.faulttest.page import page
     from hydrohil.faulttest.report import to_json
 
-    _show(report, html)  # first: a full disk takes the files, not the verdicts
+    _show(report, html)  # before the files, so that a full disk does not hide the verdicts
     texts = {html: page(report), junit_file: junit(report)}
     if json_file is not None:
         texts[json_file] = to_json(report)

@@ -63,7 +63,7 @@ def hydrohil(
 
 
 def main() -> None:
-    """Entry point. What nobody expected is one line, a file with the traceback, and an exit status of its own."""
+    """Entry point. An unexpected error gives one line, a file with the traceback, and an exit status of its own."""
     try:
         app()
     except ModuleNotFoundError as missing:

@@ -98,7 +98,7 @@ def make_folders(*files: Path | None) -> None:
 
 @contextmanager
 def writing(path: Path) -> Iterator[None]:
-    """Exit 2, with one line, where `path` cannot be written after all: a full disk is no failed claim."""
+    """Exit 2, with one line, where `path` cannot be written, because a full disk is not a failed claim."""
     try:
         yield
     except OSError as error:
@@ -109,7 +109,7 @@ def writing(path: Path) -> Iterator[None]:
 def failing(
     interrupted: str = "interrupted", *, interrupted_status: int = EXIT_INTERRUPTED, refused: int | None = None
 ) -> Iterator[None]:
-    """An error of the library is one line and an exit status; `refused` is that of what a service refuses, where it differs."""
+    """Turn an error of the library into one line and an exit status; `refused` is that of a refusal, if it differs."""
     try:
         yield
     except HydrohilError as error:

@@ -122,7 +122,7 @@ def _finish(report: "Report", out: Path, json_file: Path | None) -> None:
     texts = {out / PAGE: page(report), out / JUNIT: junit(report)}
     if json_file is not None:
         texts[json_file] = to_json(report)
-    _show(report, out / PAGE)  # first: a full disk takes the files, not the verdicts
+    _show(report, out / PAGE)  # before the files, so that a full disk does not hide the verdicts
     for path, text in texts.items():
         with writing(path):
             write_whole(path, text)
@@ -130,7 +130,7 @@ def _finish(report: "Report", out: Path, json_file: Path | None) -> None:
 
 
 def write_whole(path: Path, text: str) -> None:
-    """All of `text` or nothing: whoever reads `path` never sees half of it. A device or pipe is written to, never replaced."""
+    """Write all of `text` or nothing, so that `path` never holds half of it. A device or pipe is written to, never replaced."""
     if path.exists() and not path.is_file():
         path.write_text(text, encoding="utf-8")
         return

@@ -1,4 +1,4 @@
-"""What `hydrohil tune` prints: the evidence of every step, the gains beside Table 2, what they are worth."""
+"""What `hydrohil tune` prints: the evidence of every step, the gains beside Table 2, and the errors that they give."""
 
 import math
 

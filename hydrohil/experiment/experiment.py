@@ -39,8 +39,8 @@ _FREELY_CHOSEN = ("plant.environment.", "controller.impedance.mass_kg")
 class Experiment(NamedTuple):
     """What a trial is: each section is validated by the types of the service that reads it.
 
-    An experiment is never changed: `with_values`, `with_faults` and `_replace` give another one. Whoever writes one in Python
-    has it validated by `simulate`, by a cell, or by `validate`.
+    An experiment is never changed: `with_values`, `with_faults` and `_replace` give another one. One that is written in
+    Python is validated by `simulate`, by a cell, or by `validate`.
     """
 
     name: Name
@@ -243,5 +243,5 @@ def from_bytes(data: bytes) -> Experiment:
 
 
 def experiment_hash(data: bytes) -> bytes:
-    """SHA-256 over the bytes as sent; whoever receives them echoes it and never encodes again."""
+    """SHA-256 over the bytes as sent; a receiver echoes it and never encodes again."""
     return hashlib.sha256(data).digest()

@@ -28,7 +28,7 @@ Progress = Callable[[str, Trial | None], None]  # is given a row and its way, an
 
 
 class Execution:
-    """Rows under way; complete results stay if it is interrupted."""
+    """Plays the rows; complete results stay if it is interrupted."""
 
     def __init__(self, rows: Sequence[Row], rigs: Rigs, settings: Settings, progress: Progress) -> None:
         """Nothing runs before `play`."""
@@ -86,7 +86,7 @@ class Execution:
         rng = Random(f"{self.settings.seed} {row.number} {way.words} {number}")
         try:
             trial = way.trial(rig, rng, number)
-        except CellError as error:  # a cell that does not do what it should has not survived
+        except CellError as error:  # a cell that does not do what it should counts as not survived
             trial = Trial(False, str(error))
             if way.in_shared_cell:
                 rig.restart_all()

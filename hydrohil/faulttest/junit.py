@@ -1,4 +1,4 @@
-"""The fault test as a JUnit file: a suite a row, a case a way, so that any CI shows what was not survived."""
+"""The fault test as a JUnit file: a suite a row, a case a way, so that any CI shows which faults were not survived."""
 
 from junitparser import Failure, JUnitXml, Skipped, TestCase, TestSuite
 

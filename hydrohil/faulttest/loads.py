@@ -56,7 +56,7 @@ def compare_timing(quiet: Sequence[float], loaded: Sequence[float]) -> tuple[boo
 
 
 def timing_unchanged(observed: Observation, quiet: Sequence[Received], loaded: Sequence[Received]) -> Trial:
-    """The trial ran on, with the same timing."""
+    """Whether the trial ran on with the same timing."""
     same, words = compare_timing(latencies_ms(quiet), latencies_ms(loaded))
     cut = next((m.body for m in observed.gates if m.body.state == GateState.REVOKED), None)
     if cut is not None:

@@ -95,7 +95,7 @@ PROCESSES = (
         ways=(
             Live("SIGKILL of a routed cell's router, which returns", partial(router_fault, how=SIGKILL), in_shared_cell=False),
             Live("SIGSTOP, SIGCONT", partial(router_fault, how=SIGSTOP), in_shared_cell=False),
-            Live("SIGKILL of a router beside a mesh", mesh_runs_on, max_trials=1),  # nothing connects them: one trial shows it
+            Live("SIGKILL of a router beside a mesh", mesh_runs_on, max_trials=1),  # no link connects them, so one trial suffices
         ),
     ),
 )

@@ -116,7 +116,7 @@ def reset_refused(rig: Rig, rng: Random, number: int) -> Trial:
 
 
 def disagreeing(rig: Rig, rng: Random, number: int) -> Trial:
-    """One service has another experiment loaded: arming is refused, and the answer names who and what."""
+    """One service has another experiment loaded: arming is refused, and the answer names the service and the hash."""
     odd = cells.LOOP[number % len(cells.LOOP)]
     rig.reset()
     rig.observer.clear()

@@ -58,7 +58,7 @@ class Rig:
         self.prompt = False  # whether the host gives the observer real-time scheduling
 
     def __enter__(self) -> "Rig":
-        """Nothing yet."""
+        """Return the rig; nothing is started yet."""
         return self
 
     def __exit__(self, kind: type[BaseException] | None, error: BaseException | None, trace: TracebackType | None) -> None:

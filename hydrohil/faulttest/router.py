@@ -64,7 +64,7 @@ class Router:
         return self
 
     def __exit__(self, kind: type[BaseException] | None, error: BaseException | None, trace: TracebackType | None) -> None:
-        """Gone, also if it is frozen."""
+        """Kill the router, also if it is frozen."""
         self.kill()
 
 

@@ -37,7 +37,7 @@ class Style(NamedTuple):
     width: float = 1.1
 
 
-STYLES = {  # one meaning, one look, on every figure
+STYLES = {  # each meaning has the same style on every figure
     MEASURED: Style("#2f81d7"),
     SET_POINT: Style("#e0701a", "--"),
     NOMINAL: Style("#8d8d8d", ":", 1.4),
@@ -47,7 +47,7 @@ STYLES = {  # one meaning, one look, on every figure
 }
 OTHERS = ("#2f81d7", "#e0701a", "#2a9d6f", "#d1495b", "#8e6bbf", "#b08a1e", "#3aa6a6", "#8d8d8d", "#c45fa0", "#6f8f2f")
 _RC: dict[Any, Any] = {
-    "svg.fonttype": "none",  # text stays text: small, sharp, searchable
+    "svg.fonttype": "none",  # text stays text, so that it can be searched and stays sharp
     "font.size": 10.0,
     "axes.edgecolor": INK,
     "axes.labelcolor": INK,
@@ -105,7 +105,7 @@ def _panel_in(picture: Picture) -> float:
 
 
 def _styles(panels: Iterable[Panel]) -> dict[str, Style]:
-    """One look a label, in every panel."""
+    """The style of each label, the same in every panel."""
     labels = dict.fromkeys(curve.label for panel in panels for curve in panel.curves)
     others = cycle(OTHERS)
     return {label: STYLES.get(label) or Style(next(others)) for label in labels}

@@ -1,4 +1,4 @@
-"""The rule by which a rate is qualified: measured numbers in, a grade out. Nothing else decides.
+"""The rule by which a rate is qualified: it turns measured numbers into a grade.
 
 Each condition says what must HOLD, so that a number that is missing (NaN) fails. Those that are `required_to_run` must hold for a
 trial to run at all; all of them must hold for a rate to be qualified.
@@ -33,7 +33,7 @@ class Figures(NamedTuple):
     wake_ups_shifting: float = math.nan  # of them, so late that the plant shifts its grid
     wake_ups_skipping: float = math.nan  # of them, later than a period
     limit_us: Spread = Spread()  # the machine's own: the same without the rig's code
-    limit_by: str = ""  # who measured it
+    limit_by: str = ""  # program that measured it
     ping_us: Spread = Spread()  # bare round trip between two processes
     ping_lost: float = math.nan
     ended: str = "no trial was run"  # why the trial did not come to its end with every tick; "" = it did

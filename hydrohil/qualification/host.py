@@ -1,4 +1,4 @@
-"""The host as found and as recommended: what it grants a control loop, and how it is set up."""
+"""The properties of this host that matter to a control loop, each beside what is recommended."""
 
 import os
 import platform

@@ -1,4 +1,4 @@
-"""`python -m hydrohil.qualification.probe`: one measurement in a process of its own, so that its scheduling class is its own.
+"""`python -m hydrohil.qualification.probe`: one measurement in a process with a scheduling class of its own.
 
 It prints a line of JSON, and ends with the process that started it, however that ends.
 """

@@ -31,7 +31,7 @@ class RecordError(HydrohilError):
     """The record cannot be written; `qualification` holds what was measured."""
 
     def __init__(self, message: str, qualification: "Qualification") -> None:
-        """Keep the measurement: it took minutes."""
+        """Keep the measurement, so that minutes of work are not lost."""
         super().__init__(message)
         self.qualification = qualification
 

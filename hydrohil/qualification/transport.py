@@ -91,7 +91,7 @@ def ping(place: Place, period_ns: int, count: int, echo: list[str]) -> tuple[lis
 
 
 def _await_echo(bus: Bus, arrived: deque[int], payload: bytes, echoing: subprocess.Popen[bytes]) -> None:
-    """Until the first answer has come; TimeoutError where none comes."""
+    """Wait until the first answer has come; TimeoutError where none comes."""
     send, deadline = bus.sender(PING), time.monotonic() + _JOIN_S
     while not arrived:
         if echoing.poll() is not None or time.monotonic() > deadline:
@@ -101,7 +101,7 @@ def _await_echo(bus: Bus, arrived: deque[int], payload: bytes, echoing: subproce
 
 
 def _await(bus: Bus, arrived: deque[int], patience_s: float) -> None:
-    """Until something has arrived; a wake-up that is left over from before does not end the wait."""
+    """Wait until something has arrived; an older wake-up does not end the wait."""
     deadline = time.monotonic() + patience_s
     while not arrived and (left_s := deadline - time.monotonic()) > 0:
         bus.wait(left_s)

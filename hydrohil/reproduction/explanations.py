@@ -269,5 +269,5 @@ _WHY = {key: deviation.why for deviation in DEVIATIONS for key in deviation.of}
 
 
 def explanation(figure: str, statement: str) -> str:
-    """Why the claim fails, or "" if nobody knows."""
+    """Why the claim fails, or "" where no explanation is known."""
     return _WHY.get((figure, statement), "")

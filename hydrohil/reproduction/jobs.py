@@ -49,7 +49,7 @@ def jobs(groups: Iterable[Group], seeds: int) -> tuple[Job, ...]:
 
 
 def imported() -> None:
-    """Do nothing: a process that can call this has imported what a job needs."""
+    """Do nothing; calling it in a process imports what a job needs."""
 
 
 def warm() -> None:

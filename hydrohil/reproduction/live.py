@@ -17,8 +17,8 @@ def reproduce_live(
 ) -> list[Done]:
     """Every group with every seed; drawn when the cell has nothing left to do. Raises CellError, TrippedError.
 
-    `progress` is called before each trial. A trip ends the series: the cell may be a machine, and who resets a machine has
-    looked at it. The trials that are left are reported as gaps.
+    `progress` is called before each trial. A trip ends the series: the cell may be a real machine, which a person
+    must look at before a reset. The trials that are left are reported as gaps.
     """
     todo = jobs(groups, seeds)
     played: dict[tuple[str, int], Played] = {}

@@ -21,7 +21,7 @@ CLOCKS = ("local", "lockstep", "real")
 
 
 class ReproductionProgress(NamedTuple):
-    """How far it is, in seconds of about the time that it takes; `total_s` is NaN until processes are ready."""
+    """Progress of a reproduction, in seconds of roughly the time that it takes; `total_s` is NaN until processes are ready."""
 
     doing: str
     done_s: float

@@ -1,4 +1,4 @@
-"""The local clock: plant, controller, supervisor and gate in one compiled loop, by the services' own step functions."""
+"""The local clock: the step functions of plant, controller, supervisor and gate in one compiled loop."""
 
 from typing import Any, NamedTuple
 
@@ -35,7 +35,7 @@ class Setup(NamedTuple):
 
 
 class Underway(NamedTuple):
-    """Everything that goes on from one sample to the next."""
+    """The state that is carried from one sample to the next."""
 
     row: int  # the next to be written
     time_ns: int
@@ -49,9 +49,9 @@ class Underway(NamedTuple):
     at_valves: LinkCounts
 
 
-_ARMING_ID = 1  # any number but 0: the local cell arms once
+_ARMING_ID = 1  # any number but 0, because the local cell arms once
 _EPOCH = 1
-_LINKS = LinkHealth(faults=0, epoch_conflicts=0, other_run=0, state_lag=1)  # there is none that could fail
+_LINKS = LinkHealth(faults=0, epoch_conflicts=0, other_run=0, state_lag=1)  # no link exists that could fail
 
 
 @kernel

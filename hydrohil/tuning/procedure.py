@@ -54,7 +54,7 @@ def check_place(bench: Bench) -> None:
 
 
 def steps(bench: Bench) -> Iterator[Step]:
-    """Each step as it is done; the last one is the sixth, or the one that found nothing."""
+    """Yield each step when it is done; the last is the sixth, or the one that found no acceptable value."""
     gains = bench.experiment.controller.gains[bench.link]
     for do in PROCEDURE:
         for step in do(bench, gains):

@@ -94,7 +94,7 @@ def link_signals(
 
 @kernel
 def link_step(law: int, state: LinkLawState, gains: LinkGains, signals: LinkSignals) -> tuple[LinkLawState, float, int]:
-    """Answer of one link's law; of a link that does not act: no current, nothing integrated.
+    """Answer of one link's law; a link that does not act gets no current, and its law integrates nothing.
 
     A law that takes over keeps the current that the valve has for this one sample.
     """

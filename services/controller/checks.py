@@ -195,7 +195,7 @@ def check_times(reference: Reference) -> tuple[float, ...]:
 
 
 def clamped_links(geometry: Geometry, mask: int) -> str:
-    """Links of a clamp mask and where their travel ends, e.g. 'down/up (high, 0.471 rad)'."""
+    """The links of a clamp mask and the ends of their travel, e.g. 'down/up (high, 0.471 rad)'."""
     ends = zip(geometry.low_q, geometry.high_q, strict=True)
     limits = [  # in the order of the mask's bits
         f"{link} ({side}, {value:.3g} {unit})"

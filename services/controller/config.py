@@ -162,7 +162,7 @@ def impedance_params(config: ImpedanceConfig, force_axis: int, force_sign: float
 
 
 def kernel_gains(gains: LinkGains, target: str) -> LinkGains:
-    """The gains as floats, as a compiled kernel takes them; explicit force control knows no error dead zone.
+    """The gains as floats, as a compiled kernel takes them; explicit force control has no error dead zone.
 
     The dead zone ignores what an encoder cannot resolve; the program's `equiv_f_cont` has none, as a force has no counts.
     """
@@ -176,7 +176,7 @@ def force_cutoff_rad_per_s(config: ImpedanceConfig) -> float:
 
 
 def adaptation_params(config: AdaptationConfig) -> AdaptationParams:
-    """The same numbers for the kernels."""
+    """The parameters of the adaptation for the kernels."""
     return AdaptationParams(
         kind=ADAPTATIONS[config.kind],
         onset_n=float(config.onset_n),

@@ -57,7 +57,7 @@ class Parameters:
         self._begin_anew()
 
     def ask(self, request: Request, tick: int) -> None:
-        """Examine what an operator wants; the answer comes when it acts, or why it cannot."""
+        """Examine a requested change; its request is answered when the change acts, or with the reason why it cannot."""
         assignments = request.arguments.get("set")
         if not isinstance(assignments, list) or not all(isinstance(text, str) for text in assignments):
             return request.refuse("`set` is no list of path=value: send such as controller.law=pi")
@@ -69,7 +69,7 @@ class Parameters:
             after = assigned(self.schedule.target, assignments)
         except ValueError as error:
             return request.refuse(str(error))
-        pushed = loaded.met if after.impedance != self.schedule.target.impedance else None  # else the load has checked its push
+        pushed = loaded.met if after.impedance != self.schedule.target.impedance else None  # None: the load has checked it
         examination = examine(after, loaded.reference, loaded.q0, loaded.pitch_rad, pushed, geometry=loaded.geometry)
         self._requested = RequestedChange(request, after, examination)
         self.busy = True
@@ -91,7 +91,7 @@ class Parameters:
         return self._requested is not None
 
     def examine(self) -> None:
-        """One step of what is being examined; a change that passes acts at the next sample."""
+        """Examine the requested change one step further; a change that passes acts at the next sample."""
         if self._requested is None:
             return
         request, after, examination = self._requested
@@ -114,7 +114,7 @@ class Parameters:
         return change, at(self.schedule, number) if moves(self.schedule, number) else None
 
     def events(self, change: Change, tick: int) -> tuple[ParameterEvent, ...]:
-        """The change as messages, a value each; whoever asked for it is answered with the same."""
+        """The change as messages, one for each value; the request is answered with the same values."""
         request, self._accepted = self._accepted, None
         ramp = change.last - change.first + 1
         events = tuple(
@@ -137,7 +137,7 @@ class Parameters:
         return events
 
     def changed(self) -> list[str]:
-        """For a status: what is not as it was loaded."""
+        """The values that are not as loaded, for a status."""
         found = differences(self.schedule.loaded, self.schedule.target)
         return [f"{path} {text_of(old)} -> {text_of(new)}" for path, old, new in found]
 

@@ -51,7 +51,7 @@ class Controller:
         self.revoked = False  # the gate, at the last sample
 
     def run(self, stopped: Callable[[], bool]) -> None:
-        """Run until `stopped` says so: the bus's thread answers samples, this one serves requests."""
+        """Run until `stopped()`: the bus's thread answers samples, this one serves requests."""
         step_lock = StepLock(self.step)
         self.bus.step_on_arrival(step_lock)
         while not stopped():
@@ -71,7 +71,7 @@ class Controller:
             self._warm_up(message)
 
     def serve(self) -> None:
-        """Answer what was asked, and look at the parameters that were asked for."""
+        """Answer the requests that have come, and examine the parameters that they ask for."""
         for request in self.bus.requests():
             self._serve(request)
         self.parameters.examine()
@@ -180,7 +180,7 @@ class Controller:
         self._prepare()
 
     def status(self) -> dict[str, Any]:
-        """What an operator wants to know."""
+        """What `hydrohil status` shows of the controller."""
         return {
             "pid": os.getpid(),
             "injected": self.faults.acting(),

@@ -16,7 +16,7 @@ class Counters:
     def reset(self) -> None:
         """A trial begins."""
         self.samples = self.late_commands = self.unanswered = self.late_permits = self.shifts = 0
-        self.worst_lateness_ns = 0  # of all wake-ups: the latest alone would forget it
+        self.worst_lateness_ns = 0  # of all wake-ups, because the latest ones need not include it
         self.first_unanswered_tick: int | None = None
         self.lateness_ns: deque[int] = deque(maxlen=_KEPT)
         self.command_age_ns: deque[int] = deque(maxlen=_KEPT)
@@ -32,7 +32,7 @@ class Counters:
         self.samples += 1
         self.late_permits += not judged
         self.unanswered += not answered
-        if not answered and tick >= 0 and self.first_unanswered_tick is None:  # before, the valves are shut anyway
+        if not answered and tick >= 0 and self.first_unanswered_tick is None:  # before tick 0 the valves are shut
             self.first_unanswered_tick = tick
 
     def summary(self) -> dict[str, Any]:

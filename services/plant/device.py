@@ -17,7 +17,7 @@ class Reading(NamedTuple):
 
 
 class Timeline:
-    """Simulated time, which an emulator follows; a real DAQ lives in real time and ignores it."""
+    """Simulated time, which an emulator follows; a real DAQ ignores it."""
 
     def __init__(self) -> None:
         """Sub-step 0, no trial."""
@@ -30,10 +30,10 @@ class Device(Protocol):
     """Converters and counters of one machine."""
 
     def refuses(self, faults: Faults) -> str:
-        """Why it cannot break like this, one line, "" if it can. A real machine is not broken by a program: it refuses all."""
+        """Why it cannot break like this, one line, "" if it can. A real device refuses every fault."""
 
     def load(self, config: PlantConfig, seed: int, first_tick: int, ticks: int, faults: Faults) -> None:
-        """Prepare for a trial; a real DAQ checks that it can."""
+        """Prepare for a trial; a real DAQ checks that it can run one."""
 
     def watchdog(self, substeps: int) -> None:
         """Zero the D/A by itself if it is not written for this long."""

@@ -27,4 +27,4 @@ def slide(speed_q_per_s: float, inertia_tau_s2_per_q: float, load_tau: float, li
         return 0.0
     if momentum > 0.0:
         return (momentum - taken) / inertia_tau_s2_per_q
-    return (momentum + taken) / inertia_tau_s2_per_q  # and a NaN stays one
+    return (momentum + taken) / inertia_tau_s2_per_q  # and a NaN stays a NaN

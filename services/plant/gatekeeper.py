@@ -30,7 +30,7 @@ class LastCut(NamedTuple):
 
 
 class Gatekeeper:
-    """The only one who writes to the device, and the only one who changes what the gate has decided."""
+    """The owner of the gate's state: no other class writes to the device or changes a decision of the gate."""
 
     def __init__(self, bus: Bus, device: Device, timeline: Timeline, limits: GateLimits, counters: Counters) -> None:
         """The gate is shut: nothing moves before a permit and a command allow it."""
@@ -47,7 +47,7 @@ class Gatekeeper:
         self._force_counts = 0
         self._late_substeps = self._command_age_ns = 0
         self._last_cut = LastCut()
-        self._revoked: set[int] = set()  # all of them: the gate's own memory holds the last 16
+        self._revoked: set[int] = set()  # every one; the gate's own memory holds the last 16
 
     @property
     def gate(self) -> GateMemory:
@@ -146,7 +146,7 @@ class Gatekeeper:
 
     def receive_lockstep(self, simulated_ns: int, latch_ns: int, late: Callable[[Received, int], None]) -> None:
         """Lockstep: hold the newest command; its age is simulated time. `late` gets the sub-step of one that a fault delayed."""
-        self._receive_dropped()  # first: a permit on a sample's absence is sent before the report that the sample was dropped
+        self._receive_dropped()  # before the permits: that on a missing sample is sent before this report, so it is here too
         self.receive_permits(simulated_ns)
         for message in self._receive_commands(simulated_ns):
             delay_ns = self.commands.delay_ns(message)

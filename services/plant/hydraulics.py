@@ -66,7 +66,7 @@ def port_flows(
 
 @kernel
 def pushing_only(pressure_pa: float) -> float:
-    """Oil cannot pull: a pressure below zero is zero; a NaN stays one."""
+    """A pressure below zero is zero, because oil cannot pull; a NaN stays a NaN."""
     if pressure_pa < 0.0:
         return 0.0
     return pressure_pa

@@ -40,7 +40,7 @@ class MachineState(NamedTuple):
 
 @kernel
 def within(value: float, low: float, high: float) -> float:
-    """`value` limited; a NaN stays one."""
+    """`value` limited; a NaN stays a NaN."""
     if value < low:
         return low
     if value > high:

@@ -24,7 +24,7 @@ from hydrohil.shared.transport.live_faults import LiveFaults
 from hydrohil.shared.units import SUBSTEP_NS
 
 LOCKSTEP_TIMEOUT_S = 5.0
-DESCRIPTION_EVERY = 100  # samples: for those who join late
+DESCRIPTION_EVERY = 100  # samples, for services that join late
 _POLL_S = 0.05
 
 
@@ -182,7 +182,7 @@ class Plant:
             return
         answered = self.keeper.command_answers(number)
         self.counters.latch(self.timeline.tick, answered=answered, judged=self.keeper.permit_answers(number))
-        if clock.lockstep:  # its answers all come at the latch
+        if clock.lockstep:  # the plant takes all answers of this sample at the latch
             return
         latch_ns = clock.latch_delay_ns
         self.warmups.observe(self.keeper.command_age_ns if answered else latch_ns, latch_ns)
@@ -256,7 +256,7 @@ class Plant:
             self.requests.answer(request)
 
     def publish_description(self) -> None:
-        """Describe the machine; a lease of 0 says that none is chosen yet."""
+        """Publish the machine's description; a lease of 0 means that none is chosen yet."""
         limits = self.keeper.limits
         if not self.lease.chosen:
             limits = limits._replace(permit_ttl_ns=UNCHOSEN, command_ttl_ns=UNCHOSEN)

@@ -6,22 +6,22 @@ from hydrohil.shared.contract.messages import Sample
 from hydrohil.shared.host.clock import Grid, sleep_until
 from hydrohil.shared.transport.bus import Bus
 
-LEADS_NS = (400_000, 200_000)  # before the sample: the first fills the caches, the second runs with full ones
+LEADS_NS = (400_000, 200_000)  # before the sample: the first frame fills the caches, the second uses them
 SLOW = 6  # an answer is slow if it comes after the sixth part of the time until the latch
 REST = 200  # samples without warm-up frames once two answers in a row were slow: processors are short
 
 
 class Warmups:
-    """Sends them while there is time, and while the answers are quick."""
+    """Sends warm-up frames while there is time and while the answers are quick."""
 
     def __init__(self, bus: Bus, grid: Grid, *, enabled: bool) -> None:
-        """None sent yet; where they are not enabled, none ever is."""
+        """None is sent yet; a plant with `--no-warmup` never sends one."""
         self._bus, self._grid = bus, grid
         self._enabled, self._resting, self._slow = enabled, 0, False
         self.sent = 0
 
     def send(self, due: int, last: Sample) -> None:
-        """Send those before the sample due at sub-step `due`, each at its instant; one whose instant has passed is left out."""
+        """Send the frames that precede the sample due at sub-step `due`, each at its instant, or not if that has passed."""
         if not self._enabled or self._resting:
             return
         for lead_ns in LEADS_NS:

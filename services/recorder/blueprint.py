@@ -73,7 +73,7 @@ def _time_axis(live: bool) -> rrb.TimeAxis:
 
 def _plot(name: str, contents: list[str], live: bool, legend: str = "LeftTop") -> rrb.TimeSeriesView:
     options: dict[str, Any] = {}
-    if live:  # limit what is drawn and the axis: either alone leaves the other at everything
+    if live:  # set both what is drawn and the axis: setting one alone leaves the other at the whole recording
         start, end = _sliding()
         options["time_ranges"] = [rrb.VisibleTimeRange(SAMPLE, start=start, end=end)]
     corner = rrb.PlotLegend(corner=legend, visible=True)

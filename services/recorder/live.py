@@ -37,7 +37,7 @@ class Live:
         self._thread.start()
 
     def __enter__(self) -> "Live":
-        """It serves since its construction."""
+        """The server, which runs since its construction."""
         return self
 
     def __exit__(self, kind: type[BaseException] | None, error: BaseException | None, trace: TracebackType | None) -> None:
@@ -54,7 +54,7 @@ class Live:
             self._wake.notify()
 
     def close(self) -> None:
-        """Stop feeding; a thread that hangs in a dead viewer is left behind."""
+        """Stop feeding; a thread that hangs in a dead viewer is abandoned."""
         with self._wake:
             self._closed = True
             self._wake.notify()

@@ -23,7 +23,7 @@ if TYPE_CHECKING:
     from hydrohil.services.recorder.recorder import Recorder
 
 DEPTH = 8192  # 8 s at 1 kHz: a slow disk fills only the recorder's ring
-COLLECTED = (50_000, 20, 20)  # seldom: the messages kept for a trip hold no cycles, and the collector would scan them all
+COLLECTED = (50_000, 20, 20)  # seldom, because the collector would scan all messages kept for a trip, and they hold no cycles
 STEP_S = 0.075  # rings are drained together, so that no message costs a wake-up; three steps are a flush of the live view
 
 
@@ -84,7 +84,7 @@ def _finish(recorder: "Recorder", inboxes: list[Inbox]) -> None:
 
 
 def _answer(recorder: "Recorder", inboxes: list[Inbox], folder: Path, request: Request) -> None:
-    """One request, one answer."""
+    """Answer one request."""
     _drain(recorder, inboxes)  # messages before the request belong before it
     arguments = request.arguments
     match request.verb:

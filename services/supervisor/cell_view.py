@@ -65,7 +65,7 @@ class CellView:
             self.states.acceptance.other_run += not same_run(message.header, self._bus.run)
 
     def describe(self, message: Received) -> None:
-        """The plant describes itself; parameters follow if that is new."""
+        """Take the plant's description; a new one gives new parameters."""
         self.described = message.header
         if message.body != self.description:
             self.description = message.body
@@ -73,7 +73,7 @@ class CellView:
             self._prepare()
 
     def sampled(self, message: Received) -> None:
-        """A sample is about to be judged."""
+        """Note that a sample is about to be judged."""
         self.sample = message
         self.samples.acceptance.other_run += not same_run(message.header, self._bus.run)
 

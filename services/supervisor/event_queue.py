@@ -34,7 +34,7 @@ class EventQueue:
     """Events with the requests that wait for their answer."""
 
     def __init__(self) -> None:
-        """None waits."""
+        """No event waits."""
         self._waiting: list[tuple[Event, Request]] = []
 
     def __len__(self) -> int:
@@ -42,7 +42,7 @@ class EventQueue:
         return len(self._waiting)
 
     def put(self, event: Event, request: Request) -> None:
-        """Last in the queue; an emergency stop first."""
+        """Put an event last in the queue, or first if it is an emergency stop."""
         self._waiting.insert(0 if event == Event.ESTOP else len(self._waiting), (event, request))
 
     def next(self) -> tuple[Event, Request | None]:
@@ -50,7 +50,7 @@ class EventQueue:
         return self._waiting.pop(0) if self._waiting else (Event.NOTHING, None)
 
     def take_resets(self) -> list[Request]:
-        """Every reset that waits; none of them acts any more."""
+        """Take every waiting reset out of the queue, so that it has no effect."""
         resets = [request for event, request in self._waiting if event == Event.RESET]
         self._waiting = [(event, request) for event, request in self._waiting if event != Event.RESET]
         return resets

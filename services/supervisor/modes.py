@@ -18,7 +18,7 @@ class Event(IntEnum):
     STOP = 3
     ESTOP = 4
     RESET = 5
-    HOLD_RECOVER = 6  # hold to run: has its own lease
+    HOLD_RECOVER = 6  # hold to run, with a lease of its own
     RELEASE = 7
 
 
@@ -39,7 +39,7 @@ class Facts(NamedTuple):
 
 @kernel
 def next_mode(mode: int, event: int, facts: Facts) -> int:
-    """Mode after one step. What permits motion is left by absence; TRIPPED is left by a reset, or for RECOVER."""
+    """Mode after one step. A mode that permits motion ends where what it needs is absent; TRIPPED by a reset or RECOVER."""
     if facts.estop or event == ESTOP:
         return TRIPPED
     if mode == RUNNING:

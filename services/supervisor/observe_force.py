@@ -66,7 +66,7 @@ def force_step(
     quiet_samples = memory.quiet_samples + 1 if quiet else 0
     held_ns = memory.held_ns + motion.dt_ns if tared_n > level_n else 0
     energy_j = _energy(memory.energy_j, gauge.noise_n, tared_n, motion.way_m)
-    explained_n = memory.explained_n + gauge.stiffness_n_per_m * max(0.0, motion.way_m)  # a NaN is no way
+    explained_n = memory.explained_n + gauge.stiffness_n_per_m * max(0.0, motion.way_m)  # a NaN is not added to the way
     speed = abs(motion.speed_m_per_s)
     observed = GaugeObservation(
         force_counts=counts,

@@ -113,7 +113,7 @@ class SupervisorRequests:
     def status(self) -> dict[str, Any]:
         """Mode and trip, what is loaded, what is warned of, and what the links have counted."""
         memory = self._memory()
-        if memory.mode == DISARMED:  # it reads a file, which must not delay a step while something may move
+        if memory.mode == DISARMED:  # reading a file must not delay a step while something may move
             self._cell.look_up_qualification()
         return {
             "pid": os.getpid(),

@@ -45,7 +45,7 @@ class MotionObservation(NamedTuple):
 
 
 class TransportObservation(NamedTuple):
-    """Messages and those who send them."""
+    """Messages and the services that send them."""
 
     lost_samples: int  # between this sample and the one before
     stale_ns: int  # wall time without a sample, 0 when one came

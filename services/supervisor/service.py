@@ -1,4 +1,4 @@
-"""The supervisor's process: judges every sample, and its absence; its permits say who may move."""
+"""The supervisor's process: judges every sample, and its absence; its permits allow motion."""
 
 import time
 from collections.abc import Callable

@@ -16,7 +16,7 @@ class SupervisorParams(NamedTuple):
     limits: Limits
     observer: ObserverParams
     duration_ticks: int
-    lead_samples: int  # from START to the trial's first sample, so that everyone knows it in advance
+    lead_samples: int  # from START to the trial's first sample, so that every service knows it in advance
     armed_samples: int  # ARMED unused for longer is disarmed
     recover_samples: int  # lease of a hold-to-run request
 

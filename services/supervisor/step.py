@@ -16,7 +16,7 @@ _STOPPED_AT_GATE = int(GateCause.ESTOP)
 def supervisor_step(
     memory: SupervisorMemory, params: SupervisorParams, sample: Sample, inputs: SupervisorInput
 ) -> tuple[SupervisorMemory, Permit]:
-    """Judge one sample (or its absence, when inputs.stale_ns > 0); returns the memory and the permit, which says who may move."""
+    """Judge one sample (or its absence, when inputs.stale_ns > 0); returns the memory and the permit."""
     context = SampleContext(
         running=memory.mode == RUNNING, stale_ns=inputs.stale_ns, ready=inputs.controller_ready, links=inputs.links
     )

@@ -103,10 +103,10 @@ class TripCause(IntEnum):
 
 
 class PlantDescription(NamedTuple):
-    """The machine that the plant drives, and how it is sampled; everybody else takes both from here."""
+    """The machine that the plant drives, and how it is sampled; all other services take both from here."""
 
     machine: MachineDescription
-    machine_hash: bytes  # SHA-256 of `machine`: whoever judges or drives by another machine is refused
+    machine_hash: bytes  # SHA-256 of `machine`; a service that uses another machine is not armed
     sample_period_ns: int
     latch_ns: int
     permit_ttl_ns: int
@@ -196,7 +196,7 @@ class ControllerState(NamedTuple):
 
 
 class Permit(NamedTuple):
-    """The right to move, and why not."""
+    """The right to move, and the reason where there is none."""
 
     mode: int
     cause: int

@@ -1,6 +1,6 @@
 """The lease of permits and commands: 20 ms as industrial arms use, or three times this host's worst wake-up.
 
-Two seconds rarely see a host's worst, so the lease still grows with later wake-ups while nothing is armed; never in a trial.
+Two seconds rarely contain a host's worst wake-up. So the lease grows with later ones while nothing is armed, never in a trial.
 """
 
 import time

@@ -1,4 +1,4 @@
-"""What `hydrohil qualify` has put on record of this host, for who arms, records and reports.
+"""The record of this host that `hydrohil qualify` has written, for arming, recordings and reports.
 
 A record counts for the host, boot, kernel, processor and scheduling class that it was measured with, and for no other: a boot may
 bring another kernel, other firmware settings or other isolated processors.

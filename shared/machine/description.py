@@ -1,7 +1,8 @@
 """What the services must know of a hydraulic arm: names, units, channels, lengths, travel, and the bounds that protect it.
 
 Three links: two turn (rad), the third slides (m); their order is (rotate, down/up with + down, out/in with + out). A suffix
-`_q` means rad for the first two and m for the third. The plant sends this description; nobody else knows the machine.
+`_q` means rad for the first two and m for the third. The plant sends this description, and every
+other service takes the machine from it.
 """
 
 import hashlib

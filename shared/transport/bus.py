@@ -39,7 +39,7 @@ _THERE = "a {service} of cell {cell!r} is at this router already; stop it (`hydr
 
 
 class BusError(HydrohilError):
-    """The transport cannot be had; the message says what to do."""
+    """The transport cannot be opened; the message says what to do."""
 
     exit_status = EXIT_TRANSPORT
 
@@ -109,7 +109,7 @@ class Bus:
 
     def wake(self) -> None:
         """Let `wait` return. Safe from any thread."""
-        if not self._lock.locked():  # awake already; left to the exception, it would double what an arrival costs in Python
+        if not self._lock.locked():  # already awake; catching the exception instead would double the cost of an arrival
             return
         try:
             self._lock.release()
@@ -130,7 +130,7 @@ class Bus:
             return self.wake()
         try:
             self._step_lock.step()
-        except BaseException as failure:  # the transport would log it and go on
+        except BaseException as failure:  # without this the transport would log the exception and go on
             self._failure = failure
             self.wake()
 

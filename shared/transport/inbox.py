@@ -41,7 +41,7 @@ class Inbox:
         self.impairment_queue = ImpairmentQueue(self.topic, conditions, self._decode) if conditions.touches(self.topic) else None
 
     def peek(self) -> Received | Rejected | None:
-        """The newest frame, left where it is; for progress, never for control."""
+        """The newest frame, which stays in the ring; for a display of progress, never for control."""
         try:
             arrival_ns, frame = self._ring[-1]
         except IndexError:

@@ -1,6 +1,6 @@
-"""How many faults a link may show: more than one a second under a bound identity is no accident.
+"""How many faults a link may show: more than one a second under a bound identity is a cause to cut.
 
-A bound identity is cell, sender and epoch of the stream that an inbox takes. What counts against it: a frame whose CRC is
+A bound identity is cell, sender and epoch of the stream that an inbox takes. What counts as a fault: a frame whose CRC is
 wrong although its header still names it, a frame of it that comes again or too late (link faults), and a valid frame of its
 sender under another epoch (an epoch conflict: two publishers, or one that was restarted). Every other frame is foreign: it
 is counted by its cause, and is no fault of the link.
@@ -11,7 +11,7 @@ from typing import NamedTuple
 from hydrohil.shared.transport.acceptance import Acceptance
 from hydrohil.shared.units import NS_PER_S
 
-FAULTS_PER_S = 1  # one is an accident of a cable; a second one within a second is a cause
+FAULTS_PER_S = 1  # one may come from a cable; a second one within a second is a cause
 
 
 class ProtectionLimits(NamedTuple):

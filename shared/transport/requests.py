@@ -16,7 +16,7 @@ from hydrohil.shared.contract.topics import ANSWER, ASK, Topic
 from hydrohil.shared.transport.inbox import RING
 
 TO = "to"  # argument of every request that acts: epoch of the service that it is meant for
-REPEATABLE = ("estop", "status")  # a stop is never refused, and a question changes nothing
+REPEATABLE = ("estop", "status")  # a stop is never refused, and a status request changes nothing
 MOST_SESSIONS = 1 << 16  # of operators in one epoch, 10 MB; the requests of a forgotten one could act again
 _ESTOP = b"\xa5estop"  # the verb as it stands in a frame: MessagePack text of five bytes
 

@@ -5,7 +5,7 @@ from collections.abc import Callable
 
 
 class StepLock:
-    """A step that several threads may take. The thread that serves requests goes before all others, whatever floods them."""
+    """A lock around a step that several threads may take. The thread that serves requests has priority over all others."""
 
     def __init__(self, step: Callable[[], None]) -> None:
         """No thread steps."""

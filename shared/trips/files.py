@@ -14,7 +14,7 @@ from typing import Any
 from hydrohil.shared.trips.report import FORMAT, Document
 
 KEPT = 100  # reports in a folder, about 3 MB each; the oldest go
-_WAITING = 8  # a folder that hangs costs reports, not memory
+_WAITING = 8  # if the folder hangs, further reports are dropped, so that memory stays bounded
 _PATTERN = "*Z-*.json"
 
 
@@ -90,7 +90,7 @@ class TripFiles:
         return str(newest[1]) if newest is not None and newest[0] is document else ""
 
     def close(self, timeout_s: float = 5.0) -> None:
-        """Let what waits be written; a folder that hangs is left behind."""
+        """Write the waiting reports; the thread is abandoned if the folder hangs."""
         if self._thread is not None:
             try:
                 self._queue.put(None, timeout=timeout_s)

@@ -13,7 +13,7 @@ from hydrohil.shared.trips.tables import SAMPLE, tables
 
 
 def utc_now() -> str:
-    """Now, for people and file names; no age is ever computed from it."""
+    """The time of day, for people and file names; ages are never computed from it."""
     return datetime.now(UTC).strftime("%Y-%m-%dT%H:%M:%SZ")
 
 

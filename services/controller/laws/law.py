@@ -43,7 +43,7 @@ FeedbackPart = Callable[[LinkLawState, LinkGains, LinkSignals, float], tuple[flo
 
 @kernel
 def all_feedback(state: LinkLawState, gains: LinkGains, signals: LinkSignals, current_a: float) -> tuple[float, int]:
-    """Of a law that adds nothing to K_P e + I."""
+    """K_P e + I of a law that adds nothing to it."""
     return current_a, state.relay
 
 

@@ -24,7 +24,7 @@ LAW_NAMES = tuple(law.name for law in LAWS)
 
 
 def law_number(name: str) -> int:
-    """The number by which the kernels know the law `name`."""
+    """The kernels' number of the law `name`."""
     return LAW_NAMES.index(name)
 
 
