@@ -149,6 +149,8 @@ PAST = [  # what is observed, the cause, the number that broke, the limit it bro
     ({"gate": int(GateState.REVOKED)}, TripCause.GATE_CUT, float(GateState.REVOKED), float(GateState.OPEN)),
     ({"ready": False}, TripCause.NOT_READY, 0.0, 1.0),
 ]
+OVERLAPS: set[tuple[TripCause, TripCause]] = set()  # (first, second): a row of the first breaks the second too
+ALONE = {rule.cause: fold((rule,)) for rule in RULES}
 AT_REST = changed(FINE, moving=False, starting=False)
 ONLY_WHILE_MOVING = (
     TripCause.FORCE_DRIFT,
@@ -183,7 +185,7 @@ def test_a_rule_holds_on_its_limit(changes):
 
 @pytest.mark.parametrize(("changes", "cause", "measured", "limit"), PAST, ids=lambda value: str(value)[:40])
 def test_a_rule_breaks_just_past_its_limit_and_gives_its_own_numbers(changes, cause, measured, limit):
-    found = first_broken(changed(FINE, **changes), LIMITS)
+    found = ALONE[cause](changed(FINE, **changes), LIMITS)
     assert found[0] == cause
     assert same(found[1], measured)
     assert found[2] == pytest.approx(limit, rel=1e-12)
@@ -191,10 +193,11 @@ def test_a_rule_breaks_just_past_its_limit_and_gives_its_own_numbers(changes, ca
 
 @pytest.mark.parametrize(("changes", "cause", "measured", "limit"), PAST, ids=lambda value: str(value)[:40])
 def test_at_rest_only_what_can_be_judged_at_rest_is(changes, cause, measured, limit):
-    found = first_broken(changed(AT_REST, **changes), LIMITS)[0]
+    judge = ALONE[cause]
+    found = judge(changed(AT_REST, **changes), LIMITS)[0]
     assert found == (0 if cause in ONLY_WHILE_MOVING + ONLY_AT_THE_START else cause)
-    assert first_broken(changed(AT_REST, starting=True, **changes), LIMITS)[0] == (0 if cause in ONLY_WHILE_MOVING else cause)
-    assert first_broken(changed(AT_REST, moving=True, **changes), LIMITS)[0] == (0 if cause in ONLY_AT_THE_START else cause)
+    assert judge(changed(AT_REST, starting=True, **changes), LIMITS)[0] == (0 if cause in ONLY_WHILE_MOVING else cause)
+    assert judge(changed(AT_REST, moving=True, **changes), LIMITS)[0] == (0 if cause in ONLY_AT_THE_START else cause)
 
 
 @pytest.mark.parametrize(
@@ -230,23 +233,30 @@ def test_the_rows_stand_in_the_order_of_severity_and_every_cause_has_words():
     assert set(TRIPS) == set(causes) | {TripCause.ESTOP}
 
 
+def test_every_rule_has_a_row_past_its_limit():
+    assert {cause for _, cause, _, _ in PAST} == {rule.cause for rule in RULES}
+
+
 def test_of_several_broken_rows_the_first_decides():
     observed = FINE
     for changes, cause, measured, limit in sorted(PAST, key=lambda row: row[1], reverse=True):
         before = first_broken(observed, LIMITS)[0]
         observed = changed(observed, **changes)
         found = first_broken(observed, LIMITS)
-        assert found[0] == min(cause, before or cause)
-        if before != cause:
+        assert found[0] == min(rule.cause for rule in RULES if not rule.holds(observed, LIMITS))
+        assert found[0] <= cause
+        if found[0] == cause != before:
             assert same(found[1], measured)
             assert found[2] == pytest.approx(limit, rel=1e-12)
 
 
-def test_every_row_alone_is_folded_to_itself():
-    for rule in RULES:
-        alone = fold((rule,))
-        for changes, cause, _, _ in PAST:
-            assert alone(changed(FINE, **changes), LIMITS)[0] == (int(cause) if cause == rule.cause else 0)
+def test_a_rule_breaks_on_its_own_rows_and_else_only_where_it_overlaps_another():
+    overlaps = set()
+    for changes, cause, _, _ in PAST:
+        broken = {rule.cause for rule in RULES if ALONE[rule.cause](changed(FINE, **changes), LIMITS)[0]}
+        assert cause in broken
+        overlaps |= {(cause, other) for other in broken - {cause}}
+    assert overlaps == OVERLAPS
     assert fold(())(changed(FINE, ready=False), LIMITS) == (0, 0.0, 0.0)
 
 
