@@ -97,6 +97,10 @@ def status(
         print(json.dumps(statuses, indent=2))
     else:
         console.print(status_table(statuses))
+        if not statuses:
+            console.print(
+                f"cell {cell!r} is not up: `hydrohil up` starts it; `hydrohil trip` shows the newest trip", highlight=False
+            )
     if not all(service in statuses for service in LOOP):
         raise typer.Exit(EXIT_TRANSPORT)
     if statuses["supervisor"]["mode"] == "TRIPPED":

@@ -18,8 +18,7 @@ def show(console: Console, run: Run) -> None:
     experiment = run.experiment
     console.print(f"[bold]{experiment.name}[/] ({experiment.alias}): {escape(experiment.title)}", highlight=False)
     console.print(
-        f"clock {run.clock}, seed {run.seed}, {experiment.duration_s:g} s in {run.wall_s:.2f} s "
-        f"({experiment.duration_s / run.wall_s:.3g} times real time)",
+        f"clock {run.clock}, seed {run.seed}, {_duration(run)} in {run.wall_s:.2f} s{_speed(run)}",
         highlight=False,
     )
     for fault in experiment.faults:
@@ -38,6 +37,18 @@ def show(console: Console, run: Run) -> None:
     if run.recording:
         line = f"recording: {run.recording}  (hydrohil view {run.recording})"
         console.print(line, highlight=False, soft_wrap=True, markup=False)
+
+
+def _duration(run: Run) -> str:
+    """How long the trial was; of one that tripped, how far it came."""
+    whole = f"{run.experiment.duration_s:g} s"
+    came_s = (run.trip_report or {}).get("trial_time_s")
+    return whole if not run.trip or came_s is None else f"{max(came_s, 0.0):.3g} of {whole}"
+
+
+def _speed(run: Run) -> str:
+    """How many times faster than real time; "" of a trial that did not come to its end."""
+    return "" if run.trip else f" ({run.experiment.duration_s / run.wall_s:.3g} times real time)"
 
 
 def _show_ending(console: Console, run: Run) -> None:

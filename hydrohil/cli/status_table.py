@@ -49,7 +49,7 @@ def plant_state(status: Status) -> str:
     gate = "open" if status["gate"] == GateState.OPEN else f"shut: {status['gate_cause']}"
     driven = status.get("dac_readback") or status["dac_counts"]
     held = f"\n[red]the gate has let other codes through, but {drives(driven)}[/]" if driven != status["dac_counts"] else ""
-    return f"sample {status['number']}, gate {gate}, lease {status['lease_ms']} ms{held}"
+    return f"sample {status['number']}, gate {gate}, lease {status['lease_ms']:.1f} ms{held}"
 
 
 def controller_state(status: Status) -> str:

@@ -58,8 +58,14 @@ class Recording:
     summary: str  # verdicts, and what is missing of the recording; Markdown
 
     def __getitem__(self, topic: str) -> TopicRecord:
-        """The messages of a topic; KeyError if there are none."""
+        """The messages of a topic; KeyError, with the topics that there are, if it has none."""
+        if topic not in self.topics:
+            raise KeyError(f"{self.path} has no topic {topic!r}: it has {', '.join(self.topics)}")
         return self.topics[topic]
+
+    def __iter__(self) -> Iterator[str]:
+        """Names of the topics."""
+        return iter(self.topics)
 
     def __repr__(self) -> str:
         """One line for a notebook."""

@@ -60,7 +60,7 @@ class Segment(NamedTuple):
     kind: Literal["step", "ramp", "sine"]
     start_s: Annotated[float, Ge(0), Le(LONGEST_S)] = 0.0  # after tick 0
     duration_s: Annotated[float, Ge(0), Le(LONGEST_S)] = 0.0  # ramp and sine; afterwards the last value stays
-    amount: Annotated[float, Ge(-1e4), Le(1e4)] = 0.0  # height of a step or ramp, amplitude of a sine at its start
+    amount: Annotated[float, Ge(-1e4), Le(1e4)] = 0.0  # rad, m or N by channel: height, or a sine's first amplitude
     blend_s: Annotated[float, Ge(0), Le(LONGEST_S)] = 0.0  # ramp: parabolic acceleration at each end, part of duration
     frequency_hz: Annotated[float, Ge(0), Le(50)] = 0.0  # sine
     phase_rad: Annotated[float, Ge(-2 * math.pi), Le(2 * math.pi)] = 0.0  # sine: a (sin(w t + phase) - sin(phase))

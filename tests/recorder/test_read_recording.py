@@ -53,7 +53,8 @@ def test_the_verdict_is_its_summary_and_its_topics_are_listed(recording: Recordi
     assert recording.summary.startswith("# Verdict: PASS")
     assert {"plant/sample", "plant/gate", "controller/state"} <= set(recording.topics)
     assert "plant/sample" in repr(recording) and "force_counts" in repr(recording["plant/sample"])
-    with pytest.raises(KeyError):
+    assert list(recording) == list(recording.topics)
+    with pytest.raises(KeyError, match=r"trial\.rrd has no topic 'plant/nothing': it has .*plant/sample"):
         recording["plant/nothing"]
 
 

@@ -44,7 +44,7 @@ def test_where_nothing_can_be_read_back_the_report_says_so(values):
 
 @pytest.mark.parametrize(("driven", "named"), [(None, False), (ZERO, False), (STUCK, True)])
 def test_a_status_names_what_a_stuck_converter_drives(driven, named):
-    found = {"number": 7, "gate": 0, "gate_cause": "ESTOP", "lease_ms": 20.0, "dac_counts": ZERO, "dac_readback": driven}
+    found = {"number": 7, "gate": 0, "gate_cause": "ESTOP", "lease_ms": 92.951703, "dac_counts": ZERO, "dac_readback": driven}
     words = plant_state(found)
-    assert "shut: ESTOP" in words
+    assert "shut: ESTOP, lease 93.0 ms" in words
     assert ("2048, 2700, 2048" in words) == named

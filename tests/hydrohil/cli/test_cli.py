@@ -9,6 +9,7 @@ import numpy as np
 import pytest
 from typer.testing import CliRunner, Result
 
+from hydrohil.cell.cell import Cell
 from hydrohil.claims.trace import Trace
 from hydrohil.claims.trace_files import read_trace
 from hydrohil.cli.main import app
@@ -248,6 +249,13 @@ def test_down_without_up_says_so():
     down = hydrohil("down", "--cell", "nobody-started-this")
     assert down.exit_code == 2
     assert "hydrohil up" in down.stderr
+
+
+def test_status_of_a_cell_that_is_not_up_says_how_to_start_it(monkeypatch: pytest.MonkeyPatch):
+    monkeypatch.setattr(Cell, "status", lambda _: {})
+    status = hydrohil("status", "--cell", "nobody-started-this", "--port", "7990")
+    assert status.exit_code == 5
+    assert "cell 'nobody-started-this' is not up: `hydrohil up` starts it" in status.stdout
 
 
 @pytest.mark.parametrize("option", ["--json", "--trace"])

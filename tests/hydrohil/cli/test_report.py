@@ -56,6 +56,13 @@ def test_a_trip_is_said_with_its_words():
     assert "TRIPPED: too much" in shown(report((), trip="too much"))
 
 
+@pytest.mark.parametrize(("trial_time_s", "words"), [(1.0966, "1.1 of 20 s"), (-0.5, "0 of 20 s"), (None, "20 s")])
+def test_a_trial_that_tripped_says_how_far_it_came_and_no_speed(trial_time_s, words):
+    document = {"sentence": "", "must_hold": "", "to_do": "", "ages": [], "counters": {}, "trial_time_s": trial_time_s}
+    assert f", {words} in 10.00 s\n" in shown(report((), trip="too much")._replace(trip_report=document))
+    assert ", 20 s in 10.00 s (2 times real time)\n" in shown(report())
+
+
 def test_claims_are_shown_as_stated_measured_and_whether_they_hold():
     table = shown(report((HOLDS, FAILS)))
     assert EXPERIMENT.claims[0].statement in table
