@@ -3,6 +3,7 @@
 The host is measured from the first moment on, so modules that take long to import are imported meanwhile.
 """
 
+import math
 import sys
 from collections.abc import Callable
 
@@ -30,10 +31,14 @@ def main(arguments: list[str] | None = None) -> int:
     given = line.parse_args(arguments)
     options = options_of(line, given)
     limits = GateLimits(force_limit_n=given.gate_force_limit_n)
-    if given.permit_ttl_ms is not None:
+    if given.permit_ttl_ms is not None and math.isfinite(given.permit_ttl_ms):
         lease_ns = int(given.permit_ttl_ms * _NS_PER_MS)
         limits = limits._replace(permit_ttl_ns=lease_ns, command_ttl_ns=lease_ns)
-    if not 0 < limits.permit_ttl_ns <= MAX_LEASE_NS or not 0.0 < limits.force_limit_n <= GAUGE_RANGE_N:
+    lease_ms = 1.0 if given.permit_ttl_ms is None else given.permit_ttl_ms
+    if (
+        not (math.isfinite(lease_ms) and 0 < limits.permit_ttl_ns <= MAX_LEASE_NS)
+        or not 0.0 < limits.force_limit_n <= GAUGE_RANGE_N
+    ):
         line.error(
             f"the lease must be in 0..{MAX_LEASE_NS // _NS_PER_MS} ms and the gate's force limit in 0..{GAUGE_RANGE_N:g} N"
         )

@@ -10,6 +10,8 @@ from hydrohil.shared.machine.description import LINK_UNITS, LINKS, MachineDescri
 from hydrohil.shared.machine.unimate import MACHINES
 from hydrohil.shared.units import SUBSTEP_NS
 
+GAUGE_FACTOR = 2.0  # a stiffer gauge loosens the rules on jumps and drift of the force, which no experiment may switch off
+
 
 def describe(config: PlantConfig, limits: GateLimits) -> PlantDescription:
     """The description of this plant. Raises ValueError with one line where there is no such machine, or it cannot be."""
@@ -35,6 +37,7 @@ def machine_description(config: PlantConfig) -> MachineDescription:
     if known is None:
         raise ValueError(f"plant.machine_name is {config.machine_name!r}; expected one of {', '.join(MACHINES)}")
     _check_supply(config.machine, known)
+    _check_gauge(config.machine, known)
     _check_start(config)
     values = plain_of(config.machine)
     return known._replace(geometry=geometry(values), gauge=gauge(values, known.gauge))
@@ -48,6 +51,18 @@ def _check_supply(machine: MachineParams, known: MachineDescription) -> None:
             f"plant.machine.supply_pressure_pa is {machine.supply_pressure_pa / PA_PER_MPA:g} MPa; "
             f"expected {low:g}..{high:g} MPa of the machine {known.name}"
         )
+
+
+def _check_gauge(machine: MachineParams, known: MachineDescription) -> None:
+    """Raise ValueError where the gauge is far from the machine's own: its numbers widen the supervisor's rules on force."""
+    for name, unit, value, usual in (
+        ("sensor_stiffness_n_per_m", "N/m", machine.sensor_stiffness_n_per_m, known.gauge.stiffness_n_per_m),
+        ("sensor_damping_ns_per_m", "N s/m", machine.sensor_damping_ns_per_m, known.gauge.damping_ns_per_m),
+        ("force_high_n", "N", machine.force_high_n, known.gauge.range_n),
+    ):
+        if not value <= GAUGE_FACTOR * usual:
+            most = f"expected at most {GAUGE_FACTOR * usual:g} {unit}, {GAUGE_FACTOR:g} times that of the machine {known.name}"
+            raise ValueError(f"plant.machine.{name} is {value:g} {unit}; {most}")
 
 
 def _check_start(config: PlantConfig) -> None:

@@ -75,3 +75,13 @@ def test_a_machine_that_no_description_can_state_is_refused_by_the_plant_itself(
 def test_the_direction_of_the_gauge_is_that_of_the_environment(kind, axis, sign):
     described = describe(PLANT._replace(environment=Environment(kind)), GateLimits())
     assert (described.force_axis, described.force_sign) == (axis, sign)
+
+
+@pytest.mark.parametrize(
+    ("field", "most"), [("sensor_stiffness_n_per_m", 92_000.0), ("sensor_damping_ns_per_m", 1200.0), ("force_high_n", 1400.0)]
+)
+def test_no_experiment_widens_the_rules_on_force_beyond_twice_the_machine_s_own_gauge(field, most):
+    machine_description(changed(**{field: most}))
+    for value in (most * 1.001, 1e8, math.inf, math.nan):
+        with pytest.raises(ValueError, match=rf"plant.machine.{field} is \S+ N.*; expected at most {most:g}"):
+            machine_description(changed(**{field: value}))
