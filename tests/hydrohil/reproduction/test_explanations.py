@@ -16,7 +16,7 @@ def stated(figure: Figure) -> set[str]:
     return {verdict.claim.statement for verdict in figure.subject.run(traces).verdicts}
 
 
-def test_every_explanation_is_of_a_statement_that_is_made():
+def test_every_explanation_is_of_a_statement_of_that_figure():
     for name, statement in KEYS:
         figure = find_figure(name)
         assert figure.name == name

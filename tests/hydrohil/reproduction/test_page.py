@@ -60,7 +60,7 @@ def test_the_page_loads_nothing_from_elsewhere():
     assert not re.search(r"@import|url\((?!#)", document)
 
 
-def test_what_was_stated_measured_and_made_of_it_is_shown_with_its_words_escaped():
+def test_what_was_stated_measured_and_concluded_is_shown_with_its_words_escaped():
     words = text(report(trial(19), computed()))
     assert "a < b & c" in words and 'thesis 6.2.1: "<sic>"' in words
     assert "within 1..2 mm" in words and "1.5 mm" in words

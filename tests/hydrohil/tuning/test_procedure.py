@@ -43,7 +43,7 @@ def test_the_steps_end_with_the_first_that_finds_nothing_and_each_is_reported():
     assert [step.number for step in tuned.steps] == [1] and STEPS == 6
 
 
-def test_every_seed_is_played_and_one_that_trips_is_seen():
+def test_every_seed_is_played_and_one_that_trips_is_noticed():
     seeds = []
 
     def run(experiment: Experiment, seed: int):

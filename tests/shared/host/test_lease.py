@@ -52,7 +52,7 @@ def test_a_fixed_lease_is_never_measured(clock):
     assert choice.after(50 * MS, armed=False) == UNCHOSEN
 
 
-class Told:
+class FixedProbe:
     """A probe that reports its worst at the third call."""
 
     def __init__(self, worst_ns):
@@ -63,7 +63,7 @@ class Told:
 
 
 def test_a_probe_decides_when_and_what_it_saw_counts_with_what_the_loop_saw(clock):
-    choice = LeaseChoice(Told(9 * MS), fixed=False)
+    choice = LeaseChoice(FixedProbe(9 * MS), fixed=False)
     clock[0] = 1_000_000_000  # it measures since before this process was ready
     assert [choice.after(8 * MS, armed=False) for _ in range(2)] == [UNCHOSEN] * 2
     assert choice.after(0, armed=False) == 27 * MS
