@@ -8,7 +8,7 @@ from typing import Any, Literal, Self
 
 from hydrohil.cell import injection, operate
 from hydrohil.cell.connection import attached_cell, found_or_own_cell, own_cell, service_options
-from hydrohil.cell.processes import LOOP, Place, RefusedError, statuses
+from hydrohil.cell.processes import LOOP, CellError, Place, RefusedError, statuses
 from hydrohil.cell.run import run_in_cell
 from hydrohil.experiment.errors import ExperimentError
 from hydrohil.experiment.experiment import Experiment, checked_seed, validate
@@ -86,7 +86,14 @@ class Cell:
 
     def _enter(self, connection: AbstractContextManager[Bus]) -> None:
         self._stack = ExitStack()
-        self.bus = self._stack.enter_context(connection)
+        self._bus: Bus | None = self._stack.enter_context(connection)
+
+    @property
+    def bus(self) -> Bus:
+        """The operator's place on the cell's network. Raises CellError once the cell is closed."""
+        if self._bus is None:
+            raise CellError("the cell is closed: bring up or attach to another")
+        return self._bus
 
     def __enter__(self) -> Self:
         """The cell."""
@@ -98,6 +105,7 @@ class Cell:
 
     def close(self) -> None:
         """Leave the network; processes of its own are stopped, the valves go to zero first. Closing twice is allowed."""
+        self._bus = None
         self._stack.close()
 
     def run(
