@@ -41,6 +41,8 @@ def prearm_problem(declared: Declared) -> str:
             return f"the {name} has another experiment or run loaded: load again"
     if described is None or not same_run(described, run):
         return "the plant has not described its machine since the load: wait a second, then arm again"
+    if described.epoch != plant.epoch:
+        return "the machine was described by another process than the plant that samples: end the other one, restart this cell"
     if driven_id != machine_id:
         plant_s = f"{description.machine.name}, {machine_id:012x}"
         return f"the controller drives another machine ({driven_id:012x}) than the plant describes ({plant_s}): load again"

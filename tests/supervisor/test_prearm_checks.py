@@ -52,6 +52,7 @@ def test_any_lease_that_the_plant_has_chosen_is_one():
         ({"controller": CONTROLLER._replace(run=8)}, "the controller has another experiment or run"),
         ({"described": None}, "the plant has not described its machine since the load"),
         ({"described": DESCRIBED._replace(run=8)}, "the plant has not described its machine since the load"),
+        ({"described": DESCRIBED._replace(epoch=PLANT.epoch + 1)}, "the machine was described by another process than the plant"),
         ({"driven_id": 0}, "drives another machine (000000000000) than the plant describes (unimate, "),
         ({"driven_id": MACHINE + 1}, "drives another machine"),
         ({"beyond_qualified": "too fast for this host"}, "too fast for this host"),
