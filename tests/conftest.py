@@ -7,6 +7,7 @@ from pathlib import Path
 
 import pytest
 
+SCHEDULING = (os.sched_getscheduler(0), os.sched_getparam(0))
 signal.signal(signal.SIGINT, signal.default_int_handler)  # in the background of a shell it is ignored, and inherited so
 
 
@@ -21,3 +22,10 @@ def live_cells_write_into_a_folder_of_their_own(
     os.chdir(tmp_path_factory.mktemp("live"))
     yield
     os.chdir(before)
+
+
+@pytest.fixture(autouse=True)
+def every_test_begins_with_the_scheduling_of_the_first() -> None:
+    """A load sets it for every thread of its process, here that of the tests: the next one's children would inherit it."""
+    if os.sched_getscheduler(0) != SCHEDULING[0]:
+        os.sched_setscheduler(0, *SCHEDULING)
