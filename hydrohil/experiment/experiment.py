@@ -81,7 +81,7 @@ class Experiment(NamedTuple):
 
 
 to_plain = plain_of
-_ADAPTER: TypeAdapter[Experiment] = TypeAdapter(Experiment, config=ConfigDict(allow_inf_nan=False))
+_ADAPTER: TypeAdapter[Experiment] = TypeAdapter(Experiment, config=ConfigDict(allow_inf_nan=False, defer_build=True))
 
 
 def from_plain(plain: Any, where: str) -> Experiment:
