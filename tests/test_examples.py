@@ -53,7 +53,8 @@ def test_own_experiment(tmp_path: Path):
 
 
 @pytest.mark.live
-def test_break_it_live(capsys: pytest.CaptureFixture[str]):
+def test_break_it_live(tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]):
+    monkeypatch.chdir(tmp_path)  # the report of the trip goes to runs/trips
     run = example("break_it_live").main("example-test", 7860)
     out = capsys.readouterr().out
     assert run.holds and "TRIPPED" in out and "mode: TRIPPED" in out

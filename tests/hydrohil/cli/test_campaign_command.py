@@ -27,6 +27,11 @@ PICTURES = {
 }
 
 
+@pytest.fixture(autouse=True)
+def in_a_folder(tmp_path: Path, monkeypatch: pytest.MonkeyPatch):
+    monkeypatch.chdir(tmp_path)  # results go to runs/ where nothing else is said
+
+
 def campaign(*arguments: object) -> Result:
     return CliRunner().invoke(app, ["campaign", *map(str, arguments)])
 
