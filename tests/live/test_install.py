@@ -106,12 +106,14 @@ def test_a_command_and_the_processes_of_a_cell_import_nothing_from_the_working_f
 
 
 CAMPAIGN = """
+name = "own"
+title = "Two gains"
 experiment = "fig-4-25"
 claims = true
 
-[[axes]]
-path = "controller.gains.down_up.kp_a_per_rad"
+[sweep.gain]
 list = [3.0, 3.5]
+sets = { "controller.gains.down_up.kp_a_per_rad" = "value" }
 """
 
 
